@@ -1,0 +1,36 @@
+# syntax=docker/dockerfile:1
+# Two stages: the first builds the environment and compiles every kernel, the second takes only what serves.
+
+FROM python:3.13-slim AS build
+# Kernels for every processor of this architecture: code for the build machine's own would be a miss in the cache elsewhere.
+ENV NUMBA_CPU_NAME=generic \
+    NUMBA_CACHE_DIR=/opt/mat/kernels \
+    PYTHONDONTWRITEBYTECODE=1
+WORKDIR /opt/mat
+RUN python -m venv /opt/mat/venv
+ENV PATH=/opt/mat/venv/bin:$PATH
+COPY requirements.lock ./
+RUN pip install --no-cache-dir --disable-pip-version-check --require-hashes -r requirements.lock
+COPY mat_core/ mat_core/
+COPY tools/warm.py tools/warm.py
+RUN python tools/warm.py
+COPY service/ service/
+COPY openapi/ openapi/
+RUN python -m compileall -q mat_core service venv/lib
+
+FROM python:3.13-slim
+# Kernels are read from /run/mat/kernels, a place that may be written: the root file system need not be.
+ENV NUMBA_CPU_NAME=generic \
+    NUMBA_CACHE_DIR=/run/mat/kernels \
+    PATH=/opt/mat/venv/bin:$PATH \
+    PYTHONUNBUFFERED=1
+RUN useradd --system --uid 10001 --no-create-home mat && install -d -o mat /run/mat
+COPY --from=build /opt/mat /opt/mat
+COPY docker/entrypoint.sh /usr/local/bin/entrypoint.sh
+WORKDIR /opt/mat
+USER 10001
+EXPOSE 8000
+HEALTHCHECK --interval=10s --timeout=3s --start-period=30s --retries=3 \
+    CMD ["python", "-c", "import urllib.request as u; u.urlopen('http://127.0.0.1:8000/readyz', timeout=2)"]
+ENTRYPOINT ["/usr/local/bin/entrypoint.sh"]
+CMD ["python", "-m", "uvicorn", "--factory", "service.app:create_app", "--host", "0.0.0.0", "--port", "8000", "--no-access-log", "--timeout-graceful-shutdown", "20"]

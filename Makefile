@@ -1,0 +1,43 @@
+# Two commands to begin with:  make run   make test
+# PYTHON names the interpreter that builds the environment (3.11 or later), PORT where `make run` serves.
+PYTHON ?= python3
+PORT ?= 8000
+BIN := .venv/bin
+
+.DEFAULT_GOAL := help
+.PHONY: help run test lint types imports openapi lock bench clean dev
+
+help: ## what can be made
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 18
+
+run: ## serve on 127.0.0.1:$(PORT), solve the example, write its picture
+	@$(PYTHON) tools/environment.py requirements.lock
+	@PORT=$(PORT) exec $(BIN)/python -u tools/run.py
+
+dev:
+	@$(PYTHON) tools/environment.py requirements-dev.lock
+
+test: dev ## all tests, on all cores
+	@$(BIN)/python -m pytest -n auto --dist worksteal
+
+lint: dev ## style
+	@$(BIN)/ruff check .
+
+types: dev ## mypy --strict
+	@$(BIN)/mypy --strict mat_core service
+
+imports: dev ## who may import whom
+	@$(BIN)/lint-imports
+
+openapi: dev ## write openapi/openapi.json anew
+	@$(BIN)/python tools/write_openapi.py
+
+bench: dev ## the benchmarks
+	@$(BIN)/python -m benchmarks
+
+lock: dev ## resolve the dependencies anew (needs uv)
+	@$(BIN)/python tools/lock.py
+
+clean: ## remove what was built, the environment too
+	@rm -rf .venv out dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	@find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,1 @@
+"""What the tracer sees of a domain: sites (pieces of monotone curvature and fans of normals) in flat tables."""

@@ -1,0 +1,333 @@
+"""Cut Bezier pieces into arcs of monotone curvature: LINE, ARC or SPIRAL.
+
+The discs-first method needs boundary pieces that no circle touches twice (Vogt's theorem: arcs of monotone curvature), so a
+Bezier is cut at every sign change of k'. With homogeneous (X, Y, w), a = X'w - Xw', b = Y'w - Yw', q = a^2 + b^2 and
+D = det[A, A', A''] one has k = D w^3 / q^(3/2), and k' has the sign of
+
+    N = (D' w + 3 D w') q - 3 D w (a a' + b b'),        D' = det[A, A', A'''],  a' = X''w - Xw''
+
+(polynomial: N = (C' x C''') |C'|^2 - 3 (C' x C'') (C'.C'')), whose sign changes are isolated in Bernstein form. Points of zero
+speed are among them. Pieces that turn by more than a right angle are halved: their boxes are small and their tangents bracket.
+"""
+
+from __future__ import annotations
+
+import math
+
+from mat_core.kernels.bernstein import MAX_DEPTH, add_product, clear_row, scale_row, sign_changes
+from mat_core.kernels.curve import bezier_frame
+from mat_core.kernels.jit import jit
+from mat_core.kernels.layout import ARC, LINE, SPIRAL
+
+# columns of the tables of pieces
+P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN = range(6)
+P_UA, P_UB, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y = range(5)
+PI_WIDTH = 6
+PF_WIDTH = 5
+
+MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
+ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
+SCRATCH_ROWS = 24
+_X, _Y, _W, _X1, _Y1, _W1, _X2, _Y2, _W2, _X3, _Y3, _W3 = range(12)
+_T0, _T1, _DET, _DETD, _A, _B, _AD, _BD, _Q, _S, _N = range(12, 23)
+
+
+def scratch_width(max_degree: int) -> int:
+    """Length of a scratch row for the numerator of k' of a rational Bezier of this degree."""
+    return 8 * max_degree + 2
+
+
+@jit
+def _derivatives(cp, c0, deg, rational, table):
+    """Scaled Bernstein rows of X, Y, w and three derivatives, about the first control point."""
+    for i in range(deg + 1):
+        w = cp[c0 + i, 2] if rational else 1.0
+        table[_X, i] = (cp[c0 + i, 0] - cp[c0, 0]) * w
+        table[_Y, i] = (cp[c0 + i, 1] - cp[c0, 1]) * w
+        table[_W, i] = w
+    for order in range(3):
+        n = deg - order
+        for axis in range(3):
+            source = 3 * order + axis
+            for i in range(n):
+                table[source + 3, i] = n * (table[source, i + 1] - table[source, i])
+    for order in range(4):
+        if deg - order >= 0:
+            for axis in range(3):
+                scale_row(table, 3 * order + axis, deg - order, True)
+
+
+@jit
+def _determinant(table, d, higher, out):
+    """out = det[A, A', A^(h)] for the derivative rows starting at `higher` (of degree d - h)."""
+    n1 = d - 1
+    nh = d - higher // 3
+    for axis in range(3):
+        u = (axis + 1) % 3
+        v = (axis + 2) % 3
+        clear_row(table, _T0, n1 + nh)
+        add_product(table, _X1 + u, n1, higher + v, nh, _T0, 1.0)
+        add_product(table, _X1 + v, n1, higher + u, nh, _T0, -1.0)
+        add_product(table, _X + axis, d, _T0, n1 + nh, out, 1.0)
+
+
+@jit
+def _at_cusp(cp, c0, deg, rational, s):
+    """The zero of the speed near s, if there is one: there N has a triple zero, C'.C'' a simple one."""
+    at = s
+    largest = 0.0
+    for _ in range(6):
+        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, at, 0.0, 0.0)
+        curve = x2 * x2 + y2 * y2
+        if curve == 0.0:
+            return s
+        largest = max(largest, math.sqrt(curve))
+        at -= (x1 * x2 + y1 * y2) / curve
+        if abs(at - s) > 1e-3:
+            return s
+    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, at, 0.0, 0.0)
+    return at if math.sqrt(x1 * x1 + y1 * y1) <= 1e-11 * largest and 0.0 < at < 1.0 else s
+
+
+@jit
+def curvature_changes(cp, c0, deg, rational, table, work, bounds, roots):
+    """Write the parameters in (0, 1) where the curvature of a Bezier turns from rising to falling or back; their number."""
+    d = deg
+    _derivatives(cp, c0, deg, rational, table)
+    if not rational:
+        clear_row(table, _DET, 2 * d)
+        add_product(table, _X1, d - 1, _Y2, d - 2, _DET, 1.0)
+        add_product(table, _Y1, d - 1, _X2, d - 2, _DET, -1.0)
+        clear_row(table, _DETD, 2 * d)
+        if d >= 3:
+            add_product(table, _X1, d - 1, _Y3, d - 3, _DETD, 1.0)
+            add_product(table, _Y1, d - 1, _X3, d - 3, _DETD, -1.0)
+        clear_row(table, _Q, 2 * d)
+        add_product(table, _X1, d - 1, _X1, d - 1, _Q, 1.0)
+        add_product(table, _Y1, d - 1, _Y1, d - 1, _Q, 1.0)
+        clear_row(table, _S, 2 * d)
+        add_product(table, _X1, d - 1, _X2, d - 2, _S, 1.0)
+        add_product(table, _Y1, d - 1, _Y2, d - 2, _S, 1.0)
+        n = 4 * d - 6
+        clear_row(table, _N, n)
+        if d >= 3:
+            add_product(table, _DETD, 2 * d - 4, _Q, 2 * d - 2, _N, 1.0)
+        add_product(table, _DET, 2 * d - 3, _S, 2 * d - 3, _N, -3.0)
+    else:
+        clear_row(table, _DET, 3 * d)
+        _determinant(table, d, _X2, _DET)
+        clear_row(table, _DETD, 3 * d)
+        if d >= 3:
+            _determinant(table, d, _X3, _DETD)
+        for axis in range(2):
+            clear_row(table, _A + axis, 2 * d)
+            add_product(table, _X1 + axis, d - 1, _W, d, _A + axis, 1.0)
+            add_product(table, _X + axis, d, _W1, d - 1, _A + axis, -1.0)
+            clear_row(table, _AD + axis, 2 * d)
+            add_product(table, _X2 + axis, d - 2, _W, d, _AD + axis, 1.0)
+            add_product(table, _X + axis, d, _W2, d - 2, _AD + axis, -1.0)
+        clear_row(table, _Q, 4 * d)
+        clear_row(table, _S, 4 * d)
+        for axis in range(2):
+            add_product(table, _A + axis, 2 * d - 1, _A + axis, 2 * d - 1, _Q, 1.0)
+            add_product(table, _A + axis, 2 * d - 1, _AD + axis, 2 * d - 2, _S, 1.0)
+        clear_row(table, _T0, 4 * d)
+        if d >= 3:
+            add_product(table, _DETD, 3 * d - 4, _W, d, _T0, 1.0)
+        add_product(table, _DET, 3 * d - 3, _W1, d - 1, _T0, 3.0)
+        clear_row(table, _T1, 4 * d)
+        add_product(table, _DET, 3 * d - 3, _W, d, _T1, 1.0)
+        n = 8 * d - 6
+        clear_row(table, _N, n)
+        add_product(table, _T0, 4 * d - 4, _Q, 4 * d - 2, _N, 1.0)
+        add_product(table, _T1, 4 * d - 3, _S, 4 * d - 3, _N, -3.0)
+    scale_row(table, _N, n, False)
+    count = sign_changes(table, _N, n, work, bounds, roots)
+    for i in range(count):
+        roots[i] = _at_cusp(cp, c0, deg, rational, roots[i])
+    return count
+
+
+@jit
+def subdivide(cp, c0, deg, rational, s, left, right):
+    """De Casteljau at s: the left part to rows left.., the right part to rows right.. (right may equal c0)."""
+    for i in range(deg + 1):
+        cp[right + i, 0] = cp[c0 + i, 0]
+        cp[right + i, 1] = cp[c0 + i, 1]
+        cp[right + i, 2] = cp[c0 + i, 2]
+    for level in range(deg + 1):
+        cp[left + level, 0] = cp[right, 0]
+        cp[left + level, 1] = cp[right, 1]
+        cp[left + level, 2] = cp[right, 2]
+        for i in range(deg - level):
+            w0 = (1.0 - s) * cp[right + i, 2]
+            w1 = s * cp[right + i + 1, 2]
+            w = w0 + w1 if rational else 1.0
+            share = w1 / w if rational else s
+            cp[right + i, 0] += share * (cp[right + i + 1, 0] - cp[right + i, 0])
+            cp[right + i, 1] += share * (cp[right + i + 1, 1] - cp[right + i, 1])
+            cp[right + i, 2] = w
+
+
+@jit
+def total_turning(cp, c0, deg, rational):
+    """Sum of the absolute turns of the tangent between five parameters (pieces here have at most one inflection)."""
+    total = 0.0
+    px = py = 0.0
+    for step in range(9):
+        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, 0.125 * step, 0.0, 0.0)
+        if x1 == 0.0 and y1 == 0.0:
+            continue
+        if px != 0.0 or py != 0.0:
+            total += abs(math.atan2(px * y1 - py * x1, px * x1 + py * y1))
+        px = x1
+        py = y1
+    return total
+
+
+@jit
+def is_straight(cp, c0, deg, rounding):
+    """True if all control points lie on the chord, in order, up to rounding."""
+    ex = cp[c0 + deg, 0] - cp[c0, 0]
+    ey = cp[c0 + deg, 1] - cp[c0, 1]
+    length = math.sqrt(ex * ex + ey * ey)
+    if length == 0.0:
+        return False
+    last = 0.0
+    for i in range(1, deg + 1):
+        x = cp[c0 + i, 0] - cp[c0, 0]
+        y = cp[c0 + i, 1] - cp[c0, 1]
+        if abs(ex * y - ey * x) > rounding * length:
+            return False
+        along = (ex * x + ey * y) / length
+        if along < last - rounding:
+            return False
+        last = along
+    return True
+
+
+@jit
+def circle_of(cp, c0, deg, rounding, table):
+    """(curvature, centre x, centre y) if the rational Bezier is a circular arc up to rounding, else curvature 0.
+
+    The circle through the ends and the middle is compared in Bernstein form: F = |A - c w|^2 - R^2 w^2 vanishes identically.
+    """
+    mx, my, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, 1, 0.5, cp[c0, 0], cp[c0, 1])
+    ex = cp[c0 + deg, 0] - cp[c0, 0]
+    ey = cp[c0 + deg, 1] - cp[c0, 1]
+    if ex * ex + ey * ey < mx * mx + my * my:  # more than a half circle, or closed: use quarter points instead
+        ex, ey, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, 1, 0.25, cp[c0, 0], cp[c0, 1])
+    cross = mx * ey - my * ex
+    mm = mx * mx + my * my
+    ee = ex * ex + ey * ey
+    if abs(cross) <= 1e-6 * mm:  # a radius over some 1e5 chords: kept as a spiral
+        return 0.0, 0.0, 0.0
+    cx = 0.5 * (mm * ey - ee * my) / cross
+    cy = 0.5 * (ee * mx - mm * ex) / cross
+    radius_sq = cx * cx + cy * cy
+    radius = math.sqrt(radius_sq)
+    for i in range(deg + 1):
+        w = cp[c0 + i, 2]
+        table[_X, i] = (cp[c0 + i, 0] - cp[c0, 0] - cx) * w
+        table[_Y, i] = (cp[c0 + i, 1] - cp[c0, 1] - cy) * w
+        table[_W, i] = w
+    for axis in range(3):
+        scale_row(table, axis, deg, True)
+    clear_row(table, _N, 2 * deg)
+    add_product(table, _X, deg, _X, deg, _N, 1.0)
+    add_product(table, _Y, deg, _Y, deg, _N, 1.0)
+    add_product(table, _W, deg, _W, deg, _N, -radius_sq)
+    clear_row(table, _T0, 2 * deg)
+    add_product(table, _W, deg, _W, deg, _T0, 1.0)
+    for i in range(2 * deg + 1):
+        if abs(table[_N, i]) > 2.0 * radius * rounding * table[_T0, i]:
+            return 0.0, 0.0, 0.0
+    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, 1, 0.5, 0.0, 0.0)
+    turn = 1.0 if x1 * y2 - y1 * x2 > 0.0 else -1.0
+    return turn / radius, cp[c0, 0] + cx, cp[c0, 1] + cy
+
+
+@jit
+def cut_beziers(bez_i, bez_u, first, last, cp, cp_used, pieces_i, pieces_f, count, rounding, table, work, bounds, roots):
+    """Cut Beziers first .. last-1 (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_u`: ua, ub) into pieces, in order.
+
+    New pieces go behind row `count`, new control points behind row `cp_used` of `cp`. Returns (pieces, cp_used); pieces = -1 if
+    a buffer is too small.
+    """
+    capacity = pieces_i.shape[0]
+    for b in range(first, last):
+        deg = bez_i[b, 0]
+        c0 = bez_i[b, 1]
+        rational = bez_i[b, 2]
+        ua = bez_u[b, 0]
+        ub = bez_u[b, 1]
+        kind = SPIRAL
+        k = cx = cy = 0.0
+        n_roots = 0
+        if is_straight(cp, c0, deg, rounding):
+            kind = LINE
+        else:
+            if rational == 1:
+                k, cx, cy = circle_of(cp, c0, deg, 8.0 * rounding, table)
+            if k != 0.0:
+                kind = ARC
+            else:
+                n_roots = curvature_changes(cp, c0, deg, rational, table, work, bounds, roots)
+        done = 0.0
+        for cut in range(n_roots + 1):
+            s = 1.0
+            if cut < n_roots:
+                s = roots[cut]
+                if s - done < ROOT_GAP or 1.0 - s < ROOT_GAP:
+                    continue
+            # the part of the Bezier from `done` to s, halved until it turns little; `depth` parts wait, the first one is cut
+            if cp_used + 3 * (deg + 1) > cp.shape[0]:
+                return -1, cp_used
+            piece = c0
+            if s < 1.0:
+                piece = cp_used
+                subdivide(cp, c0, deg, rational, (s - done) / (1.0 - done), piece, c0)
+                cp_used += deg + 1
+            begin = done
+            end = s
+            done = s
+            while True:
+                half = end
+                part = piece
+                while kind != LINE and half - begin > 1e-9 and total_turning(cp, part, deg, rational) > MAX_TURN:
+                    if cp_used + deg + 1 > cp.shape[0]:
+                        return -1, cp_used
+                    # the left half is examined further; the right part is taken up again from the remaining Bezier
+                    left = cp_used
+                    right = cp_used + deg + 1
+                    if right + deg + 1 > cp.shape[0]:
+                        return -1, cp_used
+                    subdivide(cp, part, deg, rational, 0.5, left, right)
+                    cp_used = right
+                    part = left
+                    half = begin + 0.5 * (half - begin)
+                if half < end:
+                    # cut the remaining Bezier at the same parameter, so that both sides share the very same point
+                    if cp_used + deg + 1 > cp.shape[0]:
+                        return -1, cp_used
+                    part = cp_used
+                    subdivide(cp, piece, deg, rational, (half - begin) / (end - begin), part, piece)
+                    cp_used += deg + 1
+                if count >= capacity:
+                    return -1, cp_used
+                pieces_i[count, P_KIND] = kind
+                pieces_i[count, P_DEG] = deg
+                pieces_i[count, P_CP0] = part
+                pieces_i[count, P_RATIONAL] = rational
+                pieces_i[count, P_EDGE] = bez_i[b, 3]
+                pieces_i[count, P_SPAN] = bez_i[b, 4]
+                pieces_f[count, P_UA] = ua + begin * (ub - ua)
+                pieces_f[count, P_UB] = ub if half == 1.0 else ua + half * (ub - ua)
+                pieces_f[count, P_CURVATURE] = k
+                pieces_f[count, P_CENTRE_X] = cx
+                pieces_f[count, P_CENTRE_Y] = cy
+                count += 1
+                if half == end:
+                    break
+                begin = half
+    return count, cp_used

@@ -1,0 +1,327 @@
+"""The flat site table: what a maximal disc may touch, in loop order, interior on the left, in normalised coordinates.
+
+Steps: 1. edges to Beziers (knot insertion), translated to the centre of the bounding box and scaled by a power of two (exact),
+reversed where the loop runs the wrong way; 2. Beziers to pieces of monotone curvature; 3. pieces and normal fans to sites.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mat_core.boundary.joints import CUSP_ANGLE, cusp_is_convex, end_frame
+from mat_core.boundary.pieces import (
+    P_CENTRE_X, P_CENTRE_Y, P_CP0, P_CURVATURE, P_DEG, P_EDGE, P_KIND, P_RATIONAL, P_SPAN, P_UA, P_UB, PF_WIDTH, PI_WIDTH,
+    SCRATCH_ROWS, cut_beziers, scratch_width,
+)
+from mat_core.kernels.bernstein import MAX_DEPTH
+from mat_core.kernels.bezier import decompose
+from mat_core.kernels.jit import jit
+from mat_core.kernels.layout import (
+    ARC, CONVEX_VERTEX, CORNER, CP0, DEG, EDGE, FAN, K0, K1, KIND, LEN, LINE, LOOP, NEXT, PREV, RATIONAL, SF_WIDTH, SI_WIDTH,
+    SMOOTH_JOINT, SPAN, SWEEP, TX0, TX1, TY0, TY1, UA, UB, V0, V1, X0, X1, XMAX, XMIN, Y0, Y1, YMAX, YMIN,
+)
+from mat_core.model.domain import Domain
+from mat_core.tolerances import Tolerances
+
+
+class SiteTable(NamedTuple):
+    """Sites of a domain in normalised coordinates, (input - origin) * scale, so that the larger side is in [0.5, 1].
+
+    si (n, SI_WIDTH) int64 and sf (n, SF_WIDTH) float64: columns in `mat_core.kernels.layout`; cp (m, 3): control points x, y,
+    weight; loop_start (L + 1,): sites of each loop; origin (2,); scale: a power of two.
+    """
+
+    si: NDArray[np.int64]
+    sf: NDArray[np.float64]
+    cp: NDArray[np.float64]
+    loop_start: NDArray[np.int64]
+    origin: NDArray[np.float64]
+    scale: float
+
+
+@jit
+def _collect_beziers(
+    degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding,
+    span_cp, breaks, bez_i, bez_u, cp, bez_loop_start,
+):
+    """Step 1: fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub), cp; returns (Beziers, rows of cp)."""
+    count = 0
+    used = 0
+    bez_loop_start[0] = 0
+    for loop in range(edge_loop_start.shape[0] - 1):
+        first = edge_loop_start[loop]
+        last = edge_loop_start[loop + 1]
+        flip = backwards[loop]
+        loop_first = count
+        for step in range(last - first):
+            edge = last - 1 - step if flip else first + step
+            d = degree[edge]
+            n_spans = decompose(d, knots, knot_start[edge], knot_start[edge + 1] - knot_start[edge], control, cp_start[edge],
+                                cp_start[edge + 1] - cp_start[edge], span_cp, breaks)
+            for position in range(n_spans):
+                span = n_spans - 1 - position if flip else position
+                row = span * (d + 1)
+                rational = 0
+                extent = 0.0
+                for i in range(d + 1):
+                    source = row + (d - i if flip else i)
+                    cp[used + i, 0] = (span_cp[source, 0] - ox) * scale
+                    cp[used + i, 1] = (span_cp[source, 1] - oy) * scale
+                    cp[used + i, 2] = span_cp[source, 2] / span_cp[row, 2]
+                    if cp[used + i, 2] != 1.0:
+                        rational = 1
+                    extent = max(extent, abs(cp[used + i, 0] - cp[used, 0]), abs(cp[used + i, 1] - cp[used, 1]))
+                if extent <= rounding:
+                    continue
+                bez_i[count, 0] = d
+                bez_i[count, 1] = used
+                bez_i[count, 2] = rational
+                bez_i[count, 3] = edge - first
+                bez_i[count, 4] = span
+                bez_u[count, 0] = breaks[span + 1] if flip else breaks[span]
+                bez_u[count, 1] = breaks[span] if flip else breaks[span + 1]
+                count += 1
+                used += d + 1
+        # ends that differ by rounding become one point
+        for b in range(loop_first, count):
+            after = b + 1 if b + 1 < count else loop_first
+            end = bez_i[b, 1] + bez_i[b, 0]
+            cp[end, 0] = cp[bez_i[after, 1], 0]
+            cp[end, 1] = cp[bez_i[after, 1], 1]
+        bez_loop_start[loop + 1] = count
+    return count, used
+
+
+@jit
+def _fill_piece(pieces_i, pieces_f, p, cp, site, loop, vertex, vertex_after, noise, si, sf):
+    """Step 3 for one piece: its row of the table."""
+    deg = pieces_i[p, P_DEG]
+    c0 = pieces_i[p, P_CP0]
+    kind = pieces_i[p, P_KIND]
+    si[site, KIND] = kind
+    si[site, DEG] = deg
+    si[site, CP0] = c0
+    si[site, RATIONAL] = pieces_i[p, P_RATIONAL]
+    si[site, V0] = vertex
+    si[site, V1] = vertex_after
+    si[site, LOOP] = loop
+    si[site, EDGE] = pieces_i[p, P_EDGE]
+    si[site, SPAN] = pieces_i[p, P_SPAN]
+    si[site, CORNER] = SMOOTH_JOINT
+    sf[site, UA] = pieces_f[p, P_UA]
+    sf[site, UB] = pieces_f[p, P_UB]
+    x0 = sf[site, X0] = cp[c0, 0]
+    y0 = sf[site, Y0] = cp[c0, 1]
+    x1 = sf[site, X1] = cp[c0 + deg, 0]
+    y1 = sf[site, Y1] = cp[c0 + deg, 1]
+    xmin = xmax = x0
+    ymin = ymax = y0
+    length = 0.0
+    for i in range(1, deg + 1):
+        x = cp[c0 + i, 0]
+        y = cp[c0 + i, 1]
+        xmin = min(xmin, x)
+        xmax = max(xmax, x)
+        ymin = min(ymin, y)
+        ymax = max(ymax, y)
+        length += math.sqrt((x - cp[c0 + i - 1, 0]) ** 2 + (y - cp[c0 + i - 1, 1]) ** 2)
+    sf[site, XMIN] = xmin
+    sf[site, YMIN] = ymin
+    sf[site, XMAX] = xmax
+    sf[site, YMAX] = ymax
+    if kind == LINE:
+        length = math.sqrt((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0))
+        sf[site, TX0] = sf[site, TX1] = (x1 - x0) / length
+        sf[site, TY0] = sf[site, TY1] = (y1 - y0) / length
+        sf[site, K0] = sf[site, K1] = 0.0
+        sf[site, SWEEP] = 0.0
+    elif kind == ARC:
+        k = pieces_f[p, P_CURVATURE]
+        cx = pieces_f[p, P_CENTRE_X]
+        cy = pieces_f[p, P_CENTRE_Y]
+        h0 = math.sqrt((cx - x0) * (cx - x0) + (cy - y0) * (cy - y0)) * (1.0 if k > 0.0 else -1.0)
+        h1 = math.sqrt((cx - x1) * (cx - x1) + (cy - y1) * (cy - y1)) * (1.0 if k > 0.0 else -1.0)
+        tx0 = sf[site, TX0] = (cy - y0) / h0
+        ty0 = sf[site, TY0] = -(cx - x0) / h0
+        tx1 = sf[site, TX1] = (cy - y1) / h1
+        ty1 = sf[site, TY1] = -(cx - x1) / h1
+        sweep = math.atan2(tx0 * ty1 - ty0 * tx1, tx0 * tx1 + ty0 * ty1)
+        sf[site, K0] = sf[site, K1] = k
+        sf[site, SWEEP] = sweep
+        length = abs(sweep / k)
+    else:
+        tx, ty, k = end_frame(cp, c0, deg, False, noise)
+        sf[site, TX0] = tx
+        sf[site, TY0] = ty
+        sf[site, K0] = k
+        tx, ty, k = end_frame(cp, c0, deg, True, noise)
+        sf[site, TX1] = tx
+        sf[site, TY1] = ty
+        sf[site, K1] = k
+        sf[site, SWEEP] = 0.0
+    sf[site, LEN] = length
+
+
+@jit
+def _fill_fan(site, before, after, turn, si, sf):
+    """Step 3 for one reflex vertex: the point with the normals between those of both pieces."""
+    for column in range(SI_WIDTH):
+        si[site, column] = si[after, column]
+    si[site, KIND] = FAN
+    si[site, V1] = si[after, V0]
+    si[site, V0] = si[after, V0]
+    si[site, CORNER] = SMOOTH_JOINT
+    x = sf[after, X0]
+    y = sf[after, Y0]
+    sf[site, X0] = sf[site, X1] = sf[site, XMIN] = sf[site, XMAX] = x
+    sf[site, Y0] = sf[site, Y1] = sf[site, YMIN] = sf[site, YMAX] = y
+    sf[site, TX0] = sf[before, TX1]
+    sf[site, TY0] = sf[before, TY1]
+    sf[site, TX1] = sf[after, TX0]
+    sf[site, TY1] = sf[after, TY0]
+    sf[site, K0] = sf[site, K1] = -math.inf
+    sf[site, SWEEP] = turn
+    sf[site, LEN] = 0.0
+    sf[site, UA] = sf[site, UB] = sf[after, UA]
+
+
+@jit
+def _move_site(source, target, si, sf):
+    """Copy one row of the table."""
+    for column in range(SI_WIDTH):
+        si[target, column] = si[source, column]
+    for column in range(SF_WIDTH):
+        sf[target, column] = sf[source, column]
+
+
+@jit
+def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, noise, si, sf, turns, loop_start):
+    """Step 3: all loops. `si`, `sf` have room for twice the pieces; returns the number of sites."""
+    count = 0
+    loop_start[0] = 0
+    for loop in range(piece_loop_start.shape[0] - 1):
+        first = piece_loop_start[loop]
+        n = piece_loop_start[loop + 1] - first
+        base = count
+        for p in range(n):
+            after = p + 1 if p + 1 < n else 0
+            _fill_piece(pieces_i, pieces_f, first + p, cp, base + p, loop, first + p, first + after, noise, si, sf)
+        fans = 0
+        for p in range(n):
+            a = base + (p if p > 0 else n) - 1
+            b = base + p
+            turn = math.atan2(sf[a, TX1] * sf[b, TY0] - sf[a, TY1] * sf[b, TX0],
+                              sf[a, TX1] * sf[b, TX0] + sf[a, TY1] * sf[b, TY0])
+            same_bezier = n > 1 and si[a, EDGE] == si[b, EDGE] and si[a, SPAN] == si[b, SPAN] and sf[a, UB] == sf[b, UA]
+            if math.pi - abs(turn) < CUSP_ANGLE:
+                turn = math.pi if cusp_is_convex(si, sf, cp, a, b) else -math.pi
+            elif abs(turn) <= smooth_angle or (same_bezier and abs(turn) < 0.1):
+                turn = 0.0
+                if sf[a, K1] == math.inf or sf[b, K0] == math.inf:
+                    si[b, CORNER] = CONVEX_VERTEX
+            if turn > 0.0:
+                si[b, CORNER] = CONVEX_VERTEX
+            turns[p] = turn
+            if turn < 0.0:
+                fans += 1
+        # make room for the fans, from the end, so that no row is overwritten before it is moved
+        target = base + n + fans - 1
+        for p in range(n - 1, -1, -1):
+            _move_site(base + p, target, si, sf)
+            target -= 1
+            if turns[p] < 0.0:
+                target -= 1
+        count = base + n + fans
+        target = base
+        for p in range(n):
+            if turns[p] < 0.0:
+                before = target - 1 if target > base else count - 1
+                _fill_fan(target, before, target + 1, turns[p], si, sf)
+                target += 1
+            target += 1
+        for site in range(base, count):
+            si[site, NEXT] = site + 1 if site + 1 < count else base
+            si[site, PREV] = site - 1 if site > base else count - 1
+        loop_start[loop + 1] = count
+    return count
+
+
+def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> SiteTable:
+    """Cut the boundary of a valid domain into sites.
+
+    Parameters
+    ----------
+    domain : Domain
+        Valid (checked by its constructor).
+    smooth_angle : float
+        Radians; joints that turn by less are smooth.
+    tolerances : Tolerances
+        Rounding of the normalised coordinates is taken from here and from the size of the input's coordinates.
+
+    Returns
+    -------
+    SiteTable
+    """
+    a = domain.arrays
+    xmin, ymin, xmax, ymax = domain.bbox
+    origin = np.array([0.5 * (xmin + xmax), 0.5 * (ymin + ymax)])
+    scale = 2.0 ** -math.frexp(max(xmax - xmin, ymax - ymin))[1]
+    magnitude = max(abs(xmin), abs(xmax), abs(ymin), abs(ymax)) * scale
+    rounding = tolerances.rounding * max(1.0, magnitude)
+
+    spans = np.maximum(np.diff(a.cp_start) - a.degree, 1)
+    most = int(np.max(np.diff(a.cp_start) * (a.degree + 1)))
+    n_spans = int(spans.sum())
+    cp = np.empty((int((spans * (a.degree + 1)).sum()), 3))
+    bez_i = np.empty((n_spans, 5), dtype=np.int64)
+    bez_u = np.empty((n_spans, 2))
+    bez_loop_start = np.empty(len(a.loop_start), dtype=np.int64)
+    span_cp = np.empty((most, 3))
+    breaks = np.empty(int(np.max(np.diff(a.cp_start))) + 2)
+    n_bez, used = _collect_beziers(
+        a.degree, a.cp_start, a.cp, a.knot_start, a.knots, a.loop_start, a.reversed, origin[0], origin[1], scale,
+        4.0 * rounding, span_cp, breaks, bez_i, bez_u, cp, bez_loop_start)
+
+    width = scratch_width(int(a.degree.max()))
+    table = np.empty((SCRATCH_ROWS, width))
+    work = np.empty((MAX_DEPTH + 2, width))
+    bounds = np.empty((MAX_DEPTH + 2, 2))
+    roots = np.empty(width)
+    room = 4
+    while True:
+        grown = np.empty((used * room + 256, 3))
+        grown[:used] = cp[:used]
+        pieces_i = np.empty((n_bez * room + 16, PI_WIDTH), dtype=np.int64)
+        pieces_f = np.empty((n_bez * room + 16, PF_WIDTH))
+        piece_loop_start = np.zeros(len(a.loop_start), dtype=np.int64)
+        n_pieces, rows = _cut_loops(
+            bez_i, bez_u, bez_loop_start, grown, used, pieces_i, pieces_f, rounding, table, work, bounds, roots,
+            piece_loop_start)
+        if n_pieces >= 0:
+            break
+        room *= 4
+    si = np.zeros((2 * n_pieces, SI_WIDTH), dtype=np.int64)
+    sf = np.zeros((2 * n_pieces, SF_WIDTH))
+    turns = np.empty(n_pieces)
+    loop_start = np.empty(len(a.loop_start), dtype=np.int64)
+    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, 4.0 * rounding, si, sf, turns, loop_start)
+    return SiteTable(si[:n], sf[:n], grown[:rows], loop_start, origin, scale)
+
+
+@jit
+def _cut_loops(bez_i, bez_u, bez_loop_start, cp, used, pieces_i, pieces_f, rounding, table, work, bounds, roots,
+               piece_loop_start):
+    """Step 2 loop by loop; returns (pieces, rows of cp), pieces = -1 when a buffer is too small."""
+    total = 0
+    piece_loop_start[0] = 0
+    for loop in range(bez_loop_start.shape[0] - 1):
+        total, used = cut_beziers(bez_i, bez_u, bez_loop_start[loop], bez_loop_start[loop + 1], cp, used, pieces_i, pieces_f,
+                                  total, rounding, table, work, bounds, roots)
+        if total < 0:
+            return -1, used
+        piece_loop_start[loop + 1] = total
+    return total, used

@@ -1,0 +1,1 @@
+"""Compiled leaf functions over flat arrays. They import nothing else of ours."""

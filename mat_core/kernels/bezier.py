@@ -1,0 +1,232 @@
+"""Rational Bezier pieces: cutting a B-spline into them, evaluating them, subdividing them.
+
+A control point is a row ``(x, y, w)``: the **Euclidean** point and its weight, not the product. Every affine step between
+two rows is taken in the form
+
+    w = (1 - a) w0 + a w1,        P = P0 + b (P1 - P0),        b = a w1 / w,
+
+(Farin, *Curves and Surfaces for CAGD*, 13.2), so coordinates near 1e6 keep their digits whatever the weights are: no row is
+ever multiplied by its weight. With positive weights and a in [0, 1] each step is a convex combination, hence stable.
+
+    p    degree, 1 to 25        t, s    parameter of a piece in [0, 1] and 1 - t        a, b    ends of a knot span
+
+Contract of all kernels here: indices are in range, weights positive, knots clamped and non-decreasing (the model checks
+them once); outputs are buffers of the caller; nothing is allocated, nothing raised.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mat_core.kernels.jit import jit
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@jit
+def blend(rows: Floats, i: int, j: int, k: int, a: float) -> None:
+    """Row `k` becomes the point at `a` in [0, 1] between rows `i` and `j`; a = 0 and a = 1 give those rows exactly."""
+    w0 = (1.0 - a) * rows[i, 2]
+    w1 = a * rows[j, 2]
+    w = w0 + w1
+    xi = rows[i, 0]
+    yi = rows[i, 1]
+    xj = rows[j, 0]
+    yj = rows[j, 1]
+    # From the nearer end, so that the far end is met without a rounding.
+    if w1 <= w0:
+        b = w1 / w
+        rows[k, 0] = xi + b * (xj - xi)
+        rows[k, 1] = yi + b * (yj - yi)
+    else:
+        b = w0 / w
+        rows[k, 0] = xj + b * (xi - xj)
+        rows[k, 1] = yj + b * (yi - yj)
+    rows[k, 2] = w
+
+
+@jit
+def decompose(
+    degree: int,
+    knots: Floats,
+    knot0: int,
+    nknots: int,
+    cp: Floats,
+    cp0: int,
+    ncp: int,
+    out: Floats,
+    ubreaks: Floats,
+) -> int:
+    """Cut one clamped rational B-spline into its Bezier pieces; returns their number S.
+
+    Reads knots[knot0 : knot0 + nknots] and cp[cp0 : cp0 + ncp] (x, y, w). Piece i is written to rows i (degree + 1) ... of
+    `out`, its parameter range to ubreaks[i], ubreaks[i + 1]. S <= ncp - degree bounds both buffers.
+
+    For the span [a, b] = [t_k, t_k+1] the p + 1 rows d_k-p .. d_k are the blossom f(t_i+1, .., t_i+p). Two triangles of
+    convex steps, in place, replace the knots left of a by a, then those right of b by b. Any inner multiplicity will do:
+    at p + 1 neighbouring pieces share no row and may be apart. A Bezier curve comes out bit for bit as it went in.
+    """
+    p = degree
+    spans = 0
+    ubreaks[0] = knots[knot0]
+    for k in range(p, ncp):
+        a = knots[knot0 + k]
+        b = knots[knot0 + k + 1]
+        if not a < b:
+            continue
+        base = spans * (p + 1)
+        for i in range(p + 1):
+            out[base + i, 0] = cp[cp0 + k - p + i, 0]
+            out[base + i, 1] = cp[cp0 + k - p + i, 1]
+            out[base + i, 2] = cp[cp0 + k - p + i, 2]
+        for r in range(1, p + 1):
+            for q in range(p - r + 1):
+                lo = knots[knot0 + k - p + q + r]
+                hi = knots[knot0 + k + q + 1]
+                blend(out, base + q, base + q + 1, base + q, (a - lo) / (hi - lo))
+        for r in range(1, p + 1):
+            for i in range(p, r - 1, -1):
+                hi = knots[knot0 + k + i - r + 1]
+                blend(out, base + i - 1, base + i, base + i, (b - a) / (hi - a))
+        # Neighbours share their joint exactly unless a knot of multiplicity p + 1 lets them part.
+        if spans > 0 and knots[knot0 + k - p] < a:
+            out[base, 0] = out[base - 1, 0]
+            out[base, 1] = out[base - 1, 1]
+        spans += 1
+        ubreaks[spans] = b
+    return spans
+
+
+@jit
+def restrict(cp: Floats, c0: int, degree: int, t0: float, t1: float, out: Floats, o0: int) -> None:
+    """Rows of the sub-piece over [t0, t1] in [0, 1] (t0 < t1) into out[o0 : o0 + degree + 1], by two de Casteljau triangles."""
+    for i in range(degree + 1):
+        out[o0 + i, 0] = cp[c0 + i, 0]
+        out[o0 + i, 1] = cp[c0 + i, 1]
+        out[o0 + i, 2] = cp[c0 + i, 2]
+    if t1 < 1.0:
+        for r in range(1, degree + 1):
+            for i in range(degree, r - 1, -1):
+                blend(out, o0 + i - 1, o0 + i, o0 + i, t1)
+    if t0 > 0.0:
+        a = t0 / t1
+        for r in range(1, degree + 1):
+            for i in range(degree - r + 1):
+                blend(out, o0 + i, o0 + i + 1, o0 + i, a)
+
+
+@jit
+def halve(rows: Floats, c0: int, degree: int, left: int, right: int) -> None:
+    """Split the piece at row `c0` at t = 1/2: the halves go to the blocks at rows `left` and `right` of the same buffer.
+
+    `left` or `right` may be `c0` itself, not both.
+    """
+    if right != c0:
+        for i in range(degree + 1):
+            rows[right + i, 0] = rows[c0 + i, 0]
+            rows[right + i, 1] = rows[c0 + i, 1]
+            rows[right + i, 2] = rows[c0 + i, 2]
+    # Column r of the triangle leaves its first row to the left half; the last column run leaves the right half in place.
+    for r in range(degree + 1):
+        rows[left + r, 0] = rows[right, 0]
+        rows[left + r, 1] = rows[right, 1]
+        rows[left + r, 2] = rows[right, 2]
+        for i in range(degree - r):
+            blend(rows, right + i, right + i + 1, right + i, 0.5)
+
+
+@jit
+def point(cp: Floats, c0: int, degree: int, t: float) -> tuple[float, float]:
+    """The point at t in [0, 1], evaluated relative to the nearer end of the control polygon."""
+    o = c0 if t <= 0.5 else c0 + degree
+    ox = cp[o, 0]
+    oy = cp[o, 1]
+    sx, sy, sw = bernstein_sum(cp, c0, degree, t, ox, oy)
+    return ox + sx / sw, oy + sy / sw
+
+
+@jit
+def bernstein_sum(cp: Floats, c0: int, degree: int, t: float, ox: float, oy: float) -> tuple[float, float, float]:
+    """Sums of B_j(t) w_j (x_j - ox, y_j - oy, 1), up to one common positive factor, by Horner's rule in the smaller of t/s, s/t."""
+    p = degree
+    s = 1.0 - t
+    sx = 0.0
+    sy = 0.0
+    sw = 0.0
+    if t <= 0.5:
+        v = t / s
+        c = 1.0
+        for j in range(p, -1, -1):
+            w = c * cp[c0 + j, 2]
+            sx = sx * v + w * (cp[c0 + j, 0] - ox)
+            sy = sy * v + w * (cp[c0 + j, 1] - oy)
+            sw = sw * v + w
+            c = c * j / (p - j + 1)
+    else:
+        v = s / t
+        c = 1.0
+        for j in range(p + 1):
+            w = c * cp[c0 + j, 2]
+            sx = sx * v + w * (cp[c0 + j, 0] - ox)
+            sy = sy * v + w * (cp[c0 + j, 1] - oy)
+            sw = sw * v + w
+            c = c * (p - j) / (j + 1)
+    return sx, sy, sw
+
+
+@jit
+def derivatives(
+    cp: Floats, c0: int, degree: int, t: float, ox: float, oy: float
+) -> tuple[float, float, float, float, float, float]:
+    """Position relative to (ox, oy), first and second derivative by t of the piece at row `c0`.
+
+    With X = sum B_j w_j (P_j - o), W = sum B_j w_j:  C = X/W,  C' = (X' - W' C)/W,  C'' = (X'' - 2 W' C' - W'' C)/W,
+    each sum from the control rows' first and second differences (Bernstein forms of degree p - 1 and p - 2).
+    """
+    p = degree
+    s = 1.0 - t
+    x = 0.0
+    y = 0.0
+    w = 0.0
+    x1 = 0.0
+    y1 = 0.0
+    w1 = 0.0
+    x2 = 0.0
+    y2 = 0.0
+    w2 = 0.0
+    b = 1.0  # C(p, j) t^j: multiplied in; s is folded in by Horner's rule
+    b1 = 1.0
+    b2 = 1.0
+    for j in range(p + 1):
+        wj = cp[c0 + j, 2]
+        xj = wj * (cp[c0 + j, 0] - ox)
+        yj = wj * (cp[c0 + j, 1] - oy)
+        x = x * s + b * xj
+        y = y * s + b * yj
+        w = w * s + b * wj
+        b = b * t * (p - j) / (j + 1)
+        if j < p:
+            wn = cp[c0 + j + 1, 2]
+            xn = wn * (cp[c0 + j + 1, 0] - ox)
+            yn = wn * (cp[c0 + j + 1, 1] - oy)
+            x1 = x1 * s + b1 * (xn - xj)
+            y1 = y1 * s + b1 * (yn - yj)
+            w1 = w1 * s + b1 * (wn - wj)
+            b1 = b1 * t * (p - 1 - j) / (j + 1)
+            if j < p - 1:
+                wm = cp[c0 + j + 2, 2]
+                x2 = x2 * s + b2 * (wm * (cp[c0 + j + 2, 0] - ox) - 2.0 * xn + xj)
+                y2 = y2 * s + b2 * (wm * (cp[c0 + j + 2, 1] - oy) - 2.0 * yn + yj)
+                w2 = w2 * s + b2 * (wm - 2.0 * wn + wj)
+                b2 = b2 * t * (p - 2 - j) / (j + 1)
+    cx = x / w
+    cy = y / w
+    w1 *= p
+    w2 *= p * (p - 1)
+    dx = (p * x1 - w1 * cx) / w
+    dy = (p * y1 - w1 * cy) / w
+    ddx = (p * (p - 1) * x2 - 2.0 * w1 * dx - w2 * cx) / w
+    ddy = (p * (p - 1) * y2 - 2.0 * w1 * dy - w2 * cy) / w
+    return cx, cy, dx, dy, ddx, ddy

@@ -1,0 +1,272 @@
+"""The circle tangent at a boundary point that touches one site first.
+
+At p with inward unit normal n, the circle tangent at p through q has signed curvature
+
+    phi(q) = 2 n.D / |D|^2,     D = q - p,
+
+so the maximal disc at p has 1/r = sup phi over the boundary. phi = 2 n.I with I = D/|D|^2, the inversion at p, which maps
+arcs of monotone curvature to such arcs. Hence on a SPIRAL phi has at most one interior maximum (Vogt: no circle touches such
+an arc twice), where W = k|D|^2 + 2 N.D < 0; there the angle
+
+    psi = atan2(n.T', -t.T'),    T' = T|D|^2 - 2 (D.T) D,    dpsi/ds = |C'| W / |D|^2
+
+of the inverted tangent decreases through zero. The signs of dphi at both ends would not bracket it; psi does.
+
+    p = O + dp   point of tangency; O is p itself, or a vertex that both sites share (keeps small differences exact)
+    t, n         unit tangent and inward normal at p
+    q, T, N, k   point, tangent, normal, curvature on the other site, at s in [lo, hi]
+"""
+
+from __future__ import annotations
+
+import math
+
+from mat_core.kernels.curve import bezier_frame, evaluate
+from mat_core.kernels.jit import jit
+from mat_core.kernels.layout import (
+    ARC, CP0, DEG, FAN, K0, K1, KIND, LEN, LINE, RATIONAL, SWEEP, TX0, TX1, TY0, TY1, V0, V1, X0, X1, Y0, Y1,
+)
+
+NEWTON_STEPS = 60
+
+
+@jit
+def through_point(dx, dy, nx, ny):
+    """phi of the point at D; minus infinity for the point of tangency itself."""
+    dd = dx * dx + dy * dy
+    if dd == 0.0:
+        return -math.inf
+    return 2.0 * (nx * dx + ny * dy) / dd
+
+
+@jit
+def _ends(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
+    """The better one of the two ends of [lo, hi]: (phi, s)."""
+    x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, lo, ox, oy)
+    at_lo = through_point(x - dpx, y - dpy, nx, ny)
+    x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, hi, ox, oy)
+    at_hi = through_point(x - dpx, y - dpy, nx, ny)
+    if at_hi > at_lo:
+        return at_hi, hi
+    return at_lo, lo
+
+
+@jit
+def touch_fan(sf, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
+    """A reflex vertex is a point: phi there, and which of its normals points at the centre (clamped to the range)."""
+    dx = sf[j, X0] - ox - dpx
+    dy = sf[j, Y0] - oy - dpy
+    phi = through_point(dx, dy, nx, ny)
+    if phi <= 0.0:
+        return phi, lo
+    cx = nx / phi - dx
+    cy = ny / phi - dy
+    half = 0.5 * sf[j, SWEEP]
+    ch = math.cos(half)
+    sh = math.sin(half)
+    mx = -(sh * sf[j, TX0] + ch * sf[j, TY0])
+    my = ch * sf[j, TX0] - sh * sf[j, TY0]
+    s = 0.5 + math.atan2(mx * cy - my * cx, mx * cx + my * cy) / sf[j, SWEEP]
+    return phi, min(max(s, lo), hi)
+
+
+@jit
+def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
+    """LINE and ARC in closed form, about one end (ref, normal m, signed curvature k), g = p - ref:
+
+        r = (2 g.m - k |g|^2) / (2 (k n.g + |n - m|^2 / 2))
+    """
+    from_end = sf[j, X1] == ox and sf[j, Y1] == oy
+    rx = sf[j, X1] if from_end else sf[j, X0]
+    ry = sf[j, Y1] if from_end else sf[j, Y0]
+    tx = sf[j, TX1] if from_end else sf[j, TX0]
+    ty = sf[j, TY1] if from_end else sf[j, TY0]
+    k = sf[j, K0] if si[j, KIND] == ARC else 0.0
+    gx = (ox - rx) + dpx
+    gy = (oy - ry) + dpy
+    mx = -ty
+    my = tx
+    gap = 0.5 * ((nx - mx) * (nx - mx) + (ny - my) * (ny - my))
+    num = k * (nx * gx + ny * gy) + gap
+    den = 2.0 * (gx * mx + gy * my) - k * (gx * gx + gy * gy)
+    if num > 0.0 and den > 0.0:
+        r = 0.5 * den / num
+        cx = gx + r * nx
+        cy = gy + r * ny
+        base = 1.0 if from_end else 0.0
+        if k == 0.0:
+            s = base + (cx * tx + cy * ty) / sf[j, LEN]
+        else:
+            # direction from the arc's centre o = ref + m/k to c, as an angle from ref's own direction -m sign(k)
+            sign = 1.0 if k > 0.0 else -1.0
+            ux = (cx - mx / k) * sign
+            uy = (cy - my / k) * sign
+            s = base + math.atan2(-(mx * uy - my * ux), -(mx * ux + my * uy)) / sf[j, SWEEP]
+        if lo <= s <= hi:
+            return 1.0 / r, s
+    return _ends(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny)
+
+
+@jit
+def _angle(dx, dy, tx, ty, k, nx, ny):
+    """(psi, W, |D|^2) at one point of the other site; for D = 0 the limit of psi (T' = -T) and W = 0."""
+    dd = dx * dx + dy * dy
+    if dd == 0.0:
+        return math.atan2(-(nx * tx + ny * ty), ny * tx - nx * ty), 0.0, 0.0
+    along = 2.0 * (dx * tx + dy * ty)
+    ix = tx * dd - along * dx
+    iy = ty * dd - along * dy
+    # t = (ny, -nx)
+    return math.atan2(nx * ix + ny * iy, nx * iy - ny * ix), k * dd + 2.0 * (dy * tx - dx * ty), dd
+
+
+@jit
+def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
+    """Sup of phi over [lo, hi] of a piece of monotone curvature, and where."""
+    x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, lo, ox, oy)
+    ax = x - dpx
+    ay = y - dpy
+    pa, wa, da = _angle(ax, ay, tx, ty, k, nx, ny)
+    best = through_point(ax, ay, nx, ny)
+    x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, hi, ox, oy)
+    bx = x - dpx
+    by = y - dpy
+    pb, wb, db = _angle(bx, by, tx, ty, k, nx, ny)
+    at_hi = through_point(bx, by, nx, ny)
+    s_best = lo
+    if at_hi > best:
+        best = at_hi
+        s_best = hi
+    if da == 0.0:
+        wa = wb
+    if db == 0.0:
+        wb = wa
+    if not (wa < 0.0 or wb < 0.0) or hi <= lo:
+        return best, s_best
+
+    # 1. a bracket [a, b] with psi(a) > 0 >= psi(b) inside the part where W < 0
+    a = lo
+    b = hi
+    found = wa < 0.0 and wb < 0.0 and pa > 0.0 and pb <= 0.0
+    if not found:
+        mixed = not (wa < 0.0 and wb < 0.0)
+        wrapped = not mixed and pb > pa and (pa <= 0.0 or pb > 0.0) and pa * pb > 0.0
+        if mixed and wa < 0.0:
+            if pa <= 0.0:
+                return best, s_best
+            found = pb <= 0.0
+        elif mixed:
+            if pb > 0.0:
+                return best, s_best
+            found = pa > 0.0
+        elif not wrapped:
+            return best, s_best
+        for _ in range(50):
+            if found:
+                break
+            m = 0.5 * (a + b)
+            if not a < m < b:
+                return best, s_best
+            x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, m, ox, oy)
+            pm, wm, dm = _angle(x - dpx, y - dpy, tx, ty, k, nx, ny)
+            if mixed and wa < 0.0:  # psi falls, then rises: look for a negative value
+                if pm <= 0.0:
+                    b = m
+                    found = True
+                elif wm < 0.0:
+                    a = m
+                else:
+                    b = m
+            elif mixed:  # psi rises, then falls: look for a positive value
+                if pm > 0.0:
+                    a = m
+                    found = True
+                elif wm < 0.0:
+                    b = m
+                else:
+                    a = m
+            else:  # psi falls by nearly a full turn: find the half with the front-facing zero
+                if pa > 0.0 and pm <= 0.0 and pm < pa:
+                    b = m
+                    found = True
+                elif pm > 0.0 and pb <= 0.0:
+                    a = m
+                    found = True
+                elif pm <= pa:
+                    a = m
+                    pa = pm
+                else:
+                    b = m
+                    pb = pm
+        if not found:
+            return best, s_best
+
+    # 2. Newton on psi, kept inside the bracket
+    s = 0.5 * (a + b)
+    if a == lo and b == hi and pa > 0.0 >= pb:
+        s = a + (b - a) * pa / (pa - pb)
+        if not a < s < b:
+            s = 0.5 * (a + b)
+    deg = si[j, DEG]
+    rational = si[j, RATIONAL]
+    c0 = si[j, CP0]
+    for _ in range(NEWTON_STEPS):
+        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, ox, oy)
+        dx = x - dpx
+        dy = y - dpy
+        dd = dx * dx + dy * dy
+        ss = x1 * x1 + y1 * y1
+        if dd == 0.0 or ss == 0.0:
+            break
+        along = 2.0 * (dx * x1 + dy * y1)
+        ix = x1 * dd - along * dx
+        iy = y1 * dd - along * dy
+        psi = math.atan2(nx * ix + ny * iy, nx * iy - ny * ix)
+        slope = (x1 * y2 - y1 * x2) / ss + 2.0 * (dy * x1 - dx * y1) / dd
+        if psi > 0.0:
+            a = s
+        else:
+            b = s
+        new = s - psi / slope if slope < 0.0 else 0.5 * (a + b)
+        if not a < new < b:
+            new = 0.5 * (a + b)
+        step = abs(new - s)
+        s = new
+        if step <= 1e-14 or b - a <= 1e-15:
+            break
+    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, ox, oy)
+    phi = through_point(x - dpx, y - dpy, nx, ny)
+    if phi >= best:
+        return phi, s
+    return best, s_best
+
+
+@jit
+def touch(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
+    """(phi, s): sup of phi over [lo, hi] of site j, for the circle tangent at O + dp with inward normal n."""
+    kind = si[j, KIND]
+    if kind == LINE or kind == ARC:
+        return touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny)
+    if kind == FAN:
+        return touch_fan(sf, j, lo, hi, ox, oy, dpx, dpy, nx, ny)
+    return touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny)
+
+
+@jit
+def touch_from(si, sf, cp, i, s, j, lo, hi):
+    """(phi, s_j) of the circle tangent at s on site i against [lo, hi] of site j; about a shared vertex if there is one."""
+    if si[j, V0] == si[i, V0] or si[j, V1] == si[i, V0]:
+        shared = 0
+        if (si[j, V0] == si[i, V1] or si[j, V1] == si[i, V1]) and s > 0.5:
+            shared = 1
+    elif si[j, V0] == si[i, V1] or si[j, V1] == si[i, V1]:
+        shared = 1
+    else:
+        shared = 2
+    if shared == 2:
+        ox, oy, tx, ty, k, speed = evaluate(si, sf, cp, i, s, 0.0, 0.0)
+        return touch(si, sf, cp, j, lo, hi, ox, oy, 0.0, 0.0, -ty, tx)
+    ox = sf[i, X0] if shared == 0 else sf[i, X1]
+    oy = sf[i, Y0] if shared == 0 else sf[i, Y1]
+    dpx, dpy, tx, ty, k, speed = evaluate(si, sf, cp, i, s, ox, oy)
+    return touch(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, -ty, tx)

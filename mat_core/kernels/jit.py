@@ -1,0 +1,83 @@
+"""The one place where a function becomes a compiled kernel.
+
+Compiled kernels are kept on disk. Numba's own index notices a change of the file a kernel stands in, but not of a file whose kernels
+it calls; so each module's cache lies in a folder named by a digest of its source and of all sources of ours that it imports,
+directly or not. A stale kernel is therefore never loaded, and a change recompiles what depends on it and nothing else.
+
+Strict IEEE arithmetic is kept (no ``fastmath``): sign tests near zero decide topology.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import re
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import numba
+from numba.core import config
+
+F = TypeVar("F", bound=Callable[..., object])
+
+PACKAGE = Path(__file__).resolve().parent.parent
+_IMPORT = re.compile(r"^(?:from|import) (mat_core[\w.]*)", re.MULTILINE)
+
+
+def _module_file(name: str) -> Path:
+    """Source file of one of our modules."""
+    path = PACKAGE.parent.joinpath(*name.split("."))
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+@functools.cache
+def _imports(path: Path) -> tuple[str, frozenset[Path]]:
+    """Digest of a source file and the files of ours that it imports."""
+    source = path.read_bytes()
+    imported = (_module_file(name) for name in _IMPORT.findall(source.decode()))
+    return hashlib.sha256(source).hexdigest(), frozenset(file for file in imported if file.exists())
+
+
+@functools.cache
+def fingerprint(path: Path) -> str:
+    """Digest of a source file together with everything of ours that it imports, directly or not."""
+    seen: set[Path] = set()
+    waiting = {path}
+    while waiting:
+        file = waiting.pop()
+        seen.add(file)
+        waiting |= _imports(file)[1] - seen
+    digest = hashlib.sha256(numba.__version__.encode())
+    for file in sorted(seen):
+        digest.update(_imports(file)[0].encode())
+    return digest.hexdigest()[:16]
+
+
+@functools.cache
+def cache_root() -> Path:
+    """Where compiled kernels are kept: NUMBA_CACHE_DIR, else beside the sources, else the user's cache, else a temporary folder."""
+    if config.CACHE_DIR:
+        return Path(config.CACHE_DIR)
+    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    for folder in (PACKAGE / "__pycache__", user / "mat_core"):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK):
+            return folder / "kernels"
+    return Path(tempfile.gettempdir()) / "mat_core-kernels"
+
+
+def jit(function: F) -> F:
+    """Compile `function` without the interpreter, cached on disk; its Python signature is kept for the type checker."""
+    configured = config.CACHE_DIR
+    config.CACHE_DIR = str(cache_root() / fingerprint(Path(function.__code__.co_filename).resolve()))
+    try:
+        compiled: F = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+    finally:
+        config.CACHE_DIR = configured
+    return compiled

@@ -1,0 +1,24 @@
+"""Columns of the flat tables that every stage shares: named once, here.
+
+A *site* is what a maximal disc may touch: a boundary piece (LINE, ARC, SPIRAL) or the point of a reflex vertex with its
+range of normals (FAN). Sites stand in loop order with the interior on the left. `si` holds the integers of a site, `sf`
+the floats, `cp` the control points (x, y, weight) of its Bezier piece.
+"""
+
+from __future__ import annotations
+
+LINE, ARC, SPIRAL, FAN = 0, 1, 2, 3
+
+# si: integers of a site
+KIND, DEG, CP0, RATIONAL, NEXT, PREV, V0, V1, LOOP, EDGE, SPAN, CORNER = range(12)
+SI_WIDTH = 12
+
+# sf: floats of a site
+X0, Y0, X1, Y1, TX0, TY0, TX1, TY1, K0, K1, LEN, SWEEP, UA, UB, XMIN, YMIN, XMAX, YMAX = range(18)
+SF_WIDTH = 26
+
+# CORNER: the joint at the start of a site
+SMOOTH_JOINT, CONVEX_VERTEX = 0, 1
+
+# Kinds of discs
+THROUGH, VERTEX_LEAF, CURVATURE_LEAF, ARC_CONTACT = 0, 1, 2, 3

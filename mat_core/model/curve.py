@@ -1,0 +1,114 @@
+"""One edge of a boundary: a clamped rational B-spline in the plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mat_core.kernels.bezier import decompose, derivatives
+
+
+@dataclass(frozen=True, eq=False)
+class RationalBSpline:
+    """A clamped rational B-spline curve, as handed in.
+
+    Parameters
+    ----------
+    degree : int
+        1 to 25.
+    knots : (n + degree + 1,) float64
+        Non-decreasing, first and last repeated degree + 1 times.
+    control_points : (n, 2) float64
+        In the caller's unit.
+    weights : (n,) float64
+        Positive.
+
+    Notes
+    -----
+    Assumes, does not check, that the parts fit together: `Domain.from_dict` is the gate that checks.
+    """
+
+    degree: int
+    knots: NDArray[np.float64]
+    control_points: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    @property
+    def domain(self) -> tuple[float, float]:
+        """First and last value of the parameter u."""
+        return float(self.knots[0]), float(self.knots[-1])
+
+    @property
+    def is_rational(self) -> bool:
+        """Whether the weights differ."""
+        return bool(np.any(self.weights != self.weights[0]))
+
+    def evaluate(self, u: ArrayLike, derivative: int = 0) -> NDArray[np.float64]:
+        """Points of the curve, or its first or second derivative by u.
+
+        Parameters
+        ----------
+        u : array_like
+            Parameters in `domain`; others are moved to the nearer end.
+        derivative : {0, 1, 2}
+            Which derivative. At an inner knot the piece to the right of it answers.
+
+        Returns
+        -------
+        ndarray, shape of `u` + (2,)
+            Coordinates in the caller's unit (per unit of u, per unit of u squared).
+
+        Raises
+        ------
+        ValueError
+            If `derivative` is not 0, 1 or 2.
+        """
+        if derivative not in (0, 1, 2):
+            raise ValueError(f"derivative must be 0, 1 or 2, not {derivative!r}")
+        rows, breaks = self.pieces()
+        asked = np.asarray(u, dtype=np.float64)
+        values = np.clip(asked, breaks[0], breaks[-1]).ravel()
+        spans = np.clip(np.searchsorted(breaks, values, side="right") - 1, 0, len(breaks) - 2)
+        out = np.empty((values.size, 2))
+        for i, (value, k) in enumerate(zip(values.tolist(), spans.tolist(), strict=True)):
+            width = breaks[k + 1] - breaks[k]
+            first = k * (self.degree + 1)
+            t = (value - breaks[k]) / width
+            origin = rows[first if t <= 0.5 else first + self.degree]
+            found = derivatives(rows, first, self.degree, t, origin[0], origin[1])
+            out[i] = found[2 * derivative : 2 * derivative + 2]
+            if derivative == 0:
+                out[i] += origin[:2]
+            else:
+                out[i] /= width**derivative
+        return out.reshape((*asked.shape, 2))
+
+    def pieces(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The Bezier pieces of the curve.
+
+        Returns
+        -------
+        rows : (S * (degree + 1), 3) float64
+            Control points x, y and weight of the S pieces, one after another.
+        breaks : (S + 1,) float64
+            Parameters at which the pieces begin and end.
+        """
+        n = len(self.control_points)
+        cp = np.column_stack((self.control_points, self.weights))
+        rows = np.empty(((n - self.degree) * (self.degree + 1), 3))
+        breaks = np.empty(n - self.degree + 1)
+        spans = decompose(self.degree, self.knots, 0, len(self.knots), cp, 0, n, rows, breaks)
+        return rows[: spans * (self.degree + 1)], breaks[: spans + 1]
+
+    def to_dict(self) -> dict[str, object]:
+        """The edge in the form `Domain.from_dict` reads; weights are left out when all are 1."""
+        edge: dict[str, object] = {
+            "degree": self.degree,
+            "control_points": self.control_points.tolist(),
+            "knots": self.knots.tolist(),
+        }
+        if np.any(self.weights != 1.0):
+            edge["weights"] = self.weights.tolist()
+        return edge

@@ -1,0 +1,37 @@
+"""Every tolerance of the solver, relative to the domain's normalised size, each with its reason."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """One rung of the ladder that `pipeline.medial_axis` climbs until the certificate passes.
+
+    Lengths are in normalised coordinates (larger side of the domain in [0.5, 1]).
+
+    Attributes
+    ----------
+    rounding : float
+        Noise of a normalised coordinate: two units in the last place. Decides what is a straight line or a circle.
+    same_disc : float
+        Two discs found from different contacts are one if centre and radius agree this well.
+    same_crossed : float
+        The same, for discs whose contacts interleave: they cannot both be maximal, so more is forgiven.
+    tie : float
+        Relative difference of curvatures below which one more site touches a branch disc.
+    """
+
+    rounding: float = 4.5e-16
+    same_disc: float = 1e-12
+    same_crossed: float = 1e-8
+    tie: float = 1e-11
+
+
+LADDER = (
+    Tolerances(),
+    Tolerances(same_disc=1e-10, same_crossed=1e-7, tie=1e-9),
+    Tolerances(same_disc=1e-14, same_crossed=1e-9, tie=1e-13),
+    Tolerances(same_disc=1e-8, same_crossed=1e-6, tie=1e-7),
+)

@@ -1,0 +1,359 @@
+"""Solve the branch points inside the faces.
+
+Walk along one arc of a face, arc 0: the maximal disc there touches first the arc before it (k-1), in the end the arc after it (1),
+and in between, because the axis is a planar tree, arcs of falling number. Where the partner changes from j to j' < j there is a
+branch point, the disc with contacts on arc 0, arc j and arc j':
+
+    1. the root s of phi_j(s) - phi_j'(s); the signs at the ends of its bracket are known, it is never evaluated there
+    2. if another arc in between has a larger phi at s, it splits the bracket in two
+    3. otherwise the disc is a node; arcs in between that tie with it and are touched inside are contacts too (4-way, n-way)
+
+The nodes along arc 0 cut the face into strips on arc 0 and smaller faces that no longer contain it.
+
+A face in the work buffer is a row for each arc: ints (site, disc that closes it towards the next arc), floats (lo, hi).
+"""
+
+from __future__ import annotations
+
+import math
+
+from mat_core.kernels.boxtree import box_distance_sq
+from mat_core.kernels.curve import evaluate
+from mat_core.kernels.disc import touch_from
+from mat_core.kernels.jit import jit
+from mat_core.kernels.layout import FAN, KIND, LEN, SPIRAL, SWEEP, XMAX, XMIN, YMAX, YMIN
+from mat_core.topology.discs import NO_PARTNER, OK, TOO_SMALL
+
+ROOT_STEPS = 120
+PARALLEL = 1e-7  # determinant of three contact directions below which a disc is not polished
+
+
+@jit
+def _difference(si, sf, cp, site, s, w_i, w_f, left, right):
+    """(phi_left - phi_right) scaled to [-1, 1], and both contacts."""
+    a, sa = touch_from(si, sf, cp, site, s, w_i[left, 0], w_f[left, 0], w_f[left, 1])
+    b, sb = touch_from(si, sf, cp, site, s, w_i[right, 0], w_f[right, 0], w_f[right, 1])
+    total = abs(a) + abs(b)
+    f = 0.0
+    if a == -math.inf:
+        f = -1.0 if b > a else 0.0
+    elif b == -math.inf:
+        f = 1.0
+    elif total > 0.0:
+        f = (a - b) / total
+    return f, max(a, b), sa, sb
+
+
+@jit
+def _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right):
+    """(s, phi, s_left, s_right) where the partner changes from `left` (wins at lo) to `right` (wins at hi)."""
+    a = lo
+    b = hi
+    fa = fb = 0.0
+    known_a = known_b = False
+    s = 0.5 * (a + b)
+    side = 0
+    for step in range(ROOT_STEPS):
+        f, phi, sl, sr = _difference(si, sf, cp, site, s, w_i, w_f, left, right)
+        if f > 0.0:
+            a = s
+            fa = f
+            known_a = True
+            if side == 1 and known_b:
+                fb *= 0.5
+            side = 1
+        elif f < 0.0:
+            b = s
+            fb = f
+            known_b = True
+            if side == -1 and known_a:
+                fa *= 0.5
+            side = -1
+        if f == 0.0 or b - a <= 2e-16 * max(abs(a), abs(b)):
+            break
+        new = 0.5 * (a + b)
+        if known_a and known_b and step % 4 != 3:
+            new = a + (b - a) * (fa / (fa - fb))
+            if not a < new < b:
+                new = 0.5 * (a + b)
+        if not a < new < b:
+            break
+        s = new
+    f, phi, sl, sr = _difference(si, sf, cp, site, s, w_i, w_f, left, right)
+    return s, phi, sl, sr
+
+
+@jit
+def _best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi):
+    """The partner among arcs low .. high (both ends left out) with a phi above `phi`: (phi, arc), arc -1 if there is none."""
+    px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
+    best = phi
+    best_arc = -1
+    if not 0.0 < phi < math.inf:
+        return best, -1
+    r = 1.0 / phi
+    for arc in range(low + 1, high):
+        j = w_i[arc, 0]
+        limit = r + 1e-15
+        if box_distance_sq(px - r * ty, py + r * tx, sf[j, XMIN], sf[j, YMIN], sf[j, XMAX], sf[j, YMAX]) >= limit * limit:
+            continue
+        value, sj = touch_from(si, sf, cp, site, s, j, w_f[arc, 0], w_f[arc, 1])
+        if value > best:
+            best = value
+            best_arc = arc
+            r = 1.0 / best
+    return best, best_arc
+
+
+@jit
+def _length(si, sf, disc, w_i, w_f, arc):
+    """How far the disc travels along an arc, roughly: decides which arc is walked along."""
+    site = w_i[arc, 0]
+    share = w_f[arc, 1] - w_f[arc, 0]
+    if si[site, KIND] == FAN:
+        return 0.25 * abs(sf[site, SWEEP]) * disc[w_i[arc, 1], 2] * share
+    return sf[site, LEN] * share
+
+
+@jit
+def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
+    """One Newton step of the footpoint of (cx, cy) on site i from s, kept in [lo, hi]."""
+    dx, dy, tx, ty, k, speed = evaluate(si, sf, cp, i, s, cx, cy)
+    if si[i, KIND] == FAN:
+        step = math.atan2(tx * dx + ty * dy, -(tx * dy - ty * dx)) / sf[i, SWEEP] if speed > 0.0 else 0.0
+        return min(max(s - step, lo), hi)
+    r = math.sqrt(dx * dx + dy * dy)
+    slope = speed * (1.0 - k * r)
+    if slope < 1e-6 * speed or speed == 0.0:
+        return s
+    return min(max(s - (dx * tx + dy * ty) / slope, lo), hi)
+
+
+@jit
+def _polish(si, sf, cp, site, s, lo, hi, disc, d):
+    """Newton for the disc with three given contacts: c - q_m along m_m, m_m . dc - dr = r - |c - q_m|; contacts follow."""
+    for _ in range(2):
+        cx = disc[d, 0]
+        cy = disc[d, 1]
+        r = disc[d, 2]
+        q0x, q0y, tx, ty, k, speed = evaluate(si, sf, cp, site[0], s[0], cx, cy)
+        q1x, q1y, tx, ty, k, speed = evaluate(si, sf, cp, site[1], s[1], cx, cy)
+        q2x, q2y, tx, ty, k, speed = evaluate(si, sf, cp, site[2], s[2], cx, cy)
+        d0 = math.sqrt(q0x * q0x + q0y * q0y)
+        d1 = math.sqrt(q1x * q1x + q1y * q1y)
+        d2 = math.sqrt(q2x * q2x + q2y * q2y)
+        if d0 == 0.0 or d1 == 0.0 or d2 == 0.0:
+            return
+        ax = q1x / d1 - q0x / d0
+        ay = q1y / d1 - q0y / d0
+        bx = q2x / d2 - q0x / d0
+        by = q2y / d2 - q0y / d0
+        det = ax * by - ay * bx
+        if abs(det) < PARALLEL:
+            return
+        e = d1 - d0
+        f = d2 - d0
+        mx = (e * by - f * ay) / det
+        my = (ax * f - bx * e) / det
+        if math.sqrt(mx * mx + my * my) > 1e-7 * r:
+            return
+        disc[d, 0] = cx + mx
+        disc[d, 1] = cy + my
+        disc[d, 2] = d0 - (q0x * mx + q0y * my) / d0
+        for m in range(3):
+            s[m] = _foot(si, sf, cp, site[m], s[m], lo[m], hi[m], disc[d, 0], disc[d, 1])
+
+
+@jit
+def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s, n_contacts, node_first, bracket_i, bracket_f,
+             tri_site, tri_s, tri_lo, tri_hi):
+    """Find the nodes along arc 0 of the face in the work buffer, in the order in which they lie on it.
+
+    New discs go to `disc` from row n_discs on, their contacts (arc of the face; s) to `contacts_i`, `contacts_s` from row
+    n_contacts on, by falling arc number with arc 0 first; `node_first[m]` is the first contact of the m-th node.
+    Returns (status, nodes).
+    """
+    site = w_i[0, 0]
+    nodes = 0
+    top = 0
+    bracket_i[0, 0] = k - 1
+    bracket_i[0, 1] = 1
+    bracket_f[0, 0] = w_f[0, 0]
+    bracket_f[0, 1] = w_f[0, 1]
+    node_first[0] = n_contacts
+    while top >= 0:
+        left = bracket_i[top, 0]
+        right = bracket_i[top, 1]
+        lo = bracket_f[top, 0]
+        hi = bracket_f[top, 1]
+        s, phi, sl, sr = _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right)
+        if not phi > 0.0:
+            return NO_PARTNER, nodes
+        better, arc = _best_between(si, sf, cp, site, s, w_i, w_f, right, left, phi)
+        if arc >= 0 and better > phi * (1.0 + tie):
+            # the far half waits below, the near half is done first
+            if top + 2 >= bracket_i.shape[0]:
+                return TOO_SMALL, nodes
+            bracket_i[top, 0] = arc
+            bracket_i[top, 1] = right
+            bracket_f[top, 0] = s
+            bracket_f[top, 1] = hi
+            top += 1
+            bracket_i[top, 0] = left
+            bracket_i[top, 1] = arc
+            bracket_f[top, 0] = lo
+            bracket_f[top, 1] = s
+            continue
+        top -= 1
+        d = n_discs + nodes
+        if d >= disc.shape[0] or n_contacts + left - right + 2 > contacts_i.shape[0]:
+            return TOO_SMALL, nodes
+        px, py, tx, ty, curvature, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
+        disc[d, 0] = px - ty / phi
+        disc[d, 1] = py + tx / phi
+        disc[d, 2] = 1.0 / phi
+        for m in range(3):
+            arc_m = 0 if m == 0 else (left if m == 1 else right)
+            tri_site[m] = w_i[arc_m, 0]
+            tri_s[m] = s if m == 0 else (sl if m == 1 else sr)
+            tri_lo[m] = w_f[arc_m, 0]
+            tri_hi[m] = w_f[arc_m, 1]
+        tri_lo[0] = lo
+        tri_hi[0] = hi
+        _polish(si, sf, cp, tri_site, tri_s, tri_lo, tri_hi, disc, d)
+        contacts_i[n_contacts] = 0
+        contacts_s[n_contacts] = tri_s[0]
+        contacts_i[n_contacts + 1] = left
+        contacts_s[n_contacts + 1] = tri_s[1]
+        n_contacts += 2
+        # ties: touched strictly inside (at an end the disc that closes the arc there is the same disc; the graph unites them)
+        r = 1.0 / phi
+        for between in range(left - 1, right, -1):
+            j = w_i[between, 0]
+            limit = r * (1.0 + 2.0 * tie) + 1e-15
+            if box_distance_sq(disc[d, 0], disc[d, 1], sf[j, XMIN], sf[j, YMIN], sf[j, XMAX], sf[j, YMAX]) > limit * limit:
+                continue
+            value, sj = touch_from(si, sf, cp, site, s, j, w_f[between, 0], w_f[between, 1])
+            if value >= phi * (1.0 - tie) and w_f[between, 0] < sj < w_f[between, 1]:
+                contacts_i[n_contacts] = between
+                contacts_s[n_contacts] = sj
+                n_contacts += 1
+        contacts_i[n_contacts] = right
+        contacts_s[n_contacts] = tri_s[2]
+        n_contacts += 1
+        nodes += 1
+        node_first[nodes] = n_contacts
+    return OK, nodes
+
+
+@jit
+def _emit_strip(strip_i, strip_s, n, site_a, a0, a1, site_b, b0, b1, disc0, disc1):
+    """Write one strip: right side site_a from a0 up to a1, left side site_b from b0 down to b1."""
+    strip_i[n, 0] = site_a
+    strip_i[n, 1] = site_b
+    strip_i[n, 2] = disc0
+    strip_i[n, 3] = disc1
+    strip_s[n, 0] = a0
+    strip_s[n, 1] = a1
+    strip_s[n, 2] = b0
+    strip_s[n, 3] = b1
+    return n + 1
+
+
+@jit
+def solve_faces(si, sf, cp, tie, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site, contact_s, n_contacts,
+                strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first, bracket_i, bracket_f,
+                tri_site, tri_s, tri_lo, tri_hi):
+    """Resolve every face into strips; returns (status, discs, contacts, strips, whole contacts, place).
+
+    The faces stand one after the other in `stack_i` (site, closing disc) and `stack_f` (lo, hi), bounded by `face_start`
+    (rows 0 .. faces); smaller faces are put where the larger one stood. New contacts are appended to disc_of, contact_site,
+    contact_s. `place` is a site near the trouble when the status is not OK.
+    """
+    n_strips = 0
+    n_whole = 0
+    top = face_start.shape[0] - 1
+    while face_start[top] < 0:
+        top -= 1
+    faces = top
+    while faces > 0:
+        begin = face_start[faces - 1]
+        k = face_start[faces] - begin
+        if k == 1:
+            whole_i[n_whole, 0] = stack_i[begin, 0]
+            whole_i[n_whole, 1] = stack_i[begin, 1]
+            whole_s[n_whole, 0] = stack_f[begin, 0]
+            whole_s[n_whole, 1] = stack_f[begin, 1]
+            n_whole += 1
+            faces -= 1
+            continue
+        if k == 2:
+            # disc after arc 1 -> disc after arc 0
+            n_strips = _emit_strip(strip_i, strip_s, n_strips, stack_i[begin, 0], stack_f[begin, 0], stack_f[begin, 1],
+                                   stack_i[begin + 1, 0], stack_f[begin + 1, 1], stack_f[begin + 1, 0],
+                                   stack_i[begin + 1, 1], stack_i[begin, 1])
+            faces -= 1
+            continue
+        # arc 0 of the work buffer is the longest one
+        longest = 0
+        best = -1.0
+        for arc in range(k):
+            length = _length(si, sf, disc, stack_i, stack_f, begin + arc)
+            if length > best:
+                best = length
+                longest = arc
+        for arc in range(k):
+            source = begin + (longest + arc) % k
+            w_i[arc, 0] = stack_i[source, 0]
+            w_i[arc, 1] = stack_i[source, 1]
+            w_f[arc, 0] = stack_f[source, 0]
+            w_f[arc, 1] = stack_f[source, 1]
+        faces -= 1
+        status, nodes = walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s, 0, node_first,
+                                 bracket_i, bracket_f, tri_site, tri_s, tri_lo, tri_hi)
+        if status != OK:
+            return status, n_discs, n_contacts, n_strips, n_whole, w_i[0, 0]
+        # contacts on one arc come in order: later nodes touch an arc before earlier ones
+        for m in range(nodes):
+            first = node_first[m]
+            if m > 0:
+                contacts_s[first] = max(contacts_s[first], contacts_s[node_first[m - 1]])
+                contacts_s[first + 1] = min(contacts_s[first + 1], contacts_s[node_first[m] - 1])
+            for c in range(first, node_first[m + 1]):
+                disc_of[n_contacts] = n_discs + m
+                contact_site[n_contacts] = w_i[contacts_i[c], 0]
+                contact_s[n_contacts] = contacts_s[c]
+                n_contacts += 1
+        # strips on arc 0
+        lo = w_f[0, 0]
+        before = w_i[k - 1, 1]
+        partner = k - 1
+        partner_from = w_f[k - 1, 1]
+        for m in range(nodes):
+            first = node_first[m]
+            n_strips = _emit_strip(strip_i, strip_s, n_strips, w_i[0, 0], lo, contacts_s[first], w_i[partner, 0], partner_from,
+                                   contacts_s[first + 1], before, n_discs + m)
+            lo = contacts_s[first]
+            before = n_discs + m
+            partner = contacts_i[node_first[m + 1] - 1]
+            partner_from = contacts_s[node_first[m + 1] - 1]
+        n_strips = _emit_strip(strip_i, strip_s, n_strips, w_i[0, 0], lo, w_f[0, 1], w_i[1, 0], partner_from, w_f[1, 0], before,
+                               w_i[0, 1])
+        # smaller faces between neighbouring contacts of each node
+        end = begin
+        for m in range(nodes):
+            for c in range(node_first[m] + 1, node_first[m + 1] - 1):
+                high = contacts_i[c]
+                low = contacts_i[c + 1]
+                if end + high - low + 1 > stack_i.shape[0] or faces + 2 > face_start.shape[0]:
+                    return TOO_SMALL, n_discs, n_contacts, n_strips, n_whole, w_i[0, 0]
+                for arc in range(low, high + 1):
+                    stack_i[end, 0] = w_i[arc, 0]
+                    stack_i[end, 1] = w_i[arc, 1] if arc < high else n_discs + m
+                    stack_f[end, 0] = contacts_s[c + 1] if arc == low else w_f[arc, 0]
+                    stack_f[end, 1] = contacts_s[c] if arc == high else w_f[arc, 1]
+                    end += 1
+                faces += 1
+                face_start[faces] = end
+        n_discs += nodes
+    return OK, n_discs, n_contacts, n_strips, n_whole, -1

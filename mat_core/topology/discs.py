@@ -1,0 +1,342 @@
+"""One maximal disc at every joint of the boundary, found by one global query each, whatever their order.
+
+A joint (the start of site j, written (j, 0)) is either a convex vertex (leaf, r = 0), or its own curvature wins against all
+other sites (leaf: centre of curvature; or a whole circular arc in contact), or the disc touches another site, the winner.
+A boundary point has exactly one maximal disc; discs found from different contacts that are the same disc are united:
+
+    same place        the winner is the very joint that another disc was found from
+    same disc         the winner's site ends at a joint whose disc has this centre and radius (a disc touches a site once)
+    crossed contacts  the contacts of two nearly equal discs interleave around their centre: both cannot be maximal
+"""
+
+from __future__ import annotations
+
+import math
+
+from mat_core.kernels.boxtree import query
+from mat_core.kernels.curve import evaluate
+from mat_core.kernels.jit import jit
+from mat_core.kernels.layout import (
+    ARC, ARC_CONTACT, CONVEX_VERTEX, CORNER, CURVATURE_LEAF, FAN, K0, K1, KIND, LOOP, NEXT, PREV, SPIRAL, SWEEP, THROUGH, TX0,
+    TX1, TY0, TY1, VERTEX_LEAF, X0, X1, Y0, Y1,
+)
+
+OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is better by more than rounding
+ANGLE_NEAR = 1e-5  # contacts nearer than this around a centre are ordered along the boundary, not by angle
+K_LOW = 1.9  # no disc in a domain of size at most 1 has a radius over 1/2
+
+OK, NO_PARTNER, INCONSISTENT, TOO_SMALL = 0, 1, 2, 3
+
+
+@jit
+def joint_normal(si, sf, j):
+    """Inward unit normal at the start of site j; the mean of both sides at a smooth joint."""
+    before = si[j, PREV]
+    if si[j, KIND] == FAN:
+        tx = sf[before, TX1]
+        ty = sf[before, TY1]
+    elif si[before, KIND] == FAN:
+        tx = sf[j, TX0]
+        ty = sf[j, TY0]
+    else:
+        tx = sf[before, TX1] + sf[j, TX0]
+        ty = sf[before, TY1] + sf[j, TY0]
+        length = math.sqrt(tx * tx + ty * ty)
+        tx /= length
+        ty /= length
+    return -ty, tx
+
+
+@jit
+def _grows(at_joint, far):
+    """Curvature grows from the joint along a monotone piece, beyond rounding."""
+    return far - at_joint > 1e-12 * abs(at_joint)
+
+
+@jit
+def joint_disc(si, sf, cp, tree, stack, j, hint, tie):
+    """(status, kind, x, y, r, winner, s): the maximal disc at the start of site j.
+
+    kind THROUGH: it touches `winner` at s; VERTEX_LEAF; CURVATURE_LEAF; ARC_CONTACT: winner is 1 if the arc that starts here
+    is in contact, 2 if the one that ends here, 3 if both are (one circle).
+    """
+    px = sf[j, X0]
+    py = sf[j, Y0]
+    if si[j, CORNER] == CONVEX_VERTEX:
+        return OK, VERTEX_LEAF, px, py, 0.0, -1, 0.0
+    before = si[j, PREV]
+    nx, ny = joint_normal(si, sf, j)
+    kl = sf[before, K1]
+    kr = sf[j, K0]
+    own = max(kl, kr)
+    phi, winner, s = query(si, sf, cp, tree, stack, j, 0.0, nx, ny, before, hint, K_LOW)
+    left = kl >= own - 1e-9 * abs(own)
+    right = kr >= own - 1e-9 * abs(own)
+    arcs = (1 if right and si[j, KIND] == ARC else 0) + (2 if left and si[before, KIND] == ARC else 0)
+    if arcs > 0 and own >= phi * (1.0 - tie):
+        return OK, ARC_CONTACT, px + nx / own, py + ny / own, 1.0 / own, arcs, 0.0
+    if own >= phi * (1.0 - OWN_RELATIVE):
+        grows = (left and _grows(kl, sf[before, K0])) or (right and _grows(kr, sf[j, K1]))
+        if not grows or winner < 0:
+            return OK, CURVATURE_LEAF, px + nx / own, py + ny / own, 1.0 / own, -1, 0.0
+    if winner < 0:
+        return NO_PARTNER, THROUGH, px, py, 0.0, -1, 0.0
+    return OK, THROUGH, px + nx / phi, py + ny / phi, 1.0 / phi, winner, s
+
+
+@jit
+def all_joint_discs(si, sf, cp, tree, stack, tie, disc, kind, winner, winner_s):
+    """`joint_disc` for every site's start; returns (status, joint)."""
+    hint = -1
+    for j in range(si.shape[0]):
+        status, kind[j], x, y, r, winner[j], winner_s[j] = joint_disc(si, sf, cp, tree, stack, j, hint, tie)
+        disc[j, 0] = x
+        disc[j, 1] = y
+        disc[j, 2] = r
+        if status != OK:
+            return status, j
+        hint = winner[j] if kind[j] == THROUGH else -1
+    return OK, -1
+
+
+@jit
+def find(parent, a):
+    """Root of a in a union-find forest, halving the path."""
+    while parent[a] != a:
+        parent[a] = parent[parent[a]]
+        a = parent[a]
+    return a
+
+
+@jit
+def unite(parent, a, b):
+    """Join the trees of a and b; the smaller root stays."""
+    a = find(parent, a)
+    b = find(parent, b)
+    if a < b:
+        parent[b] = a
+    elif b < a:
+        parent[a] = b
+
+
+@jit
+def rightmost(si, sf, cp, first, last):
+    """(x, site, s) of the point with the largest x on the sites first .. last-1: its outward normal is (1, 0).
+
+    On a FAN s is where the normal passes (1, 0); on a piece where the tangent is vertical.
+    """
+    best = -math.inf
+    best_site = -1
+    best_s = 0.0
+    for i in range(first, last):
+        if si[i, KIND] == FAN:
+            # normals turn clockwise by |SWEEP| from that of the start: is (1, 0) among them?
+            turn = math.atan2(sf[i, TX0], -sf[i, TY0])  # from (1, 0) anticlockwise to the first normal
+            s = turn / -sf[i, SWEEP]
+            if -1e-9 <= s <= 1.0 + 1e-9 and sf[i, X0] > best:
+                best = sf[i, X0]
+                best_site = i
+                best_s = min(max(s, 0.0), 1.0)
+            continue
+        if sf[i, X0] > best:
+            best = sf[i, X0]
+            best_site = i
+            best_s = 0.0
+        if sf[i, TX0] * sf[i, TX1] < 0.0:
+            lo = 0.0
+            hi = 1.0
+            for _ in range(60):
+                m = 0.5 * (lo + hi)
+                dx, dy, tx, ty, k, speed = evaluate(si, sf, cp, i, m, 0.0, 0.0)
+                if tx * sf[i, TX0] > 0.0:
+                    lo = m
+                else:
+                    hi = m
+            dx, dy, tx, ty, k, speed = evaluate(si, sf, cp, i, 0.5 * (lo + hi), 0.0, 0.0)
+            if dx > best:
+                best = dx
+                best_site = i
+                best_s = 0.5 * (lo + hi)
+    return best, best_site, best_s
+
+
+@jit
+def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent, extra, extra_site):
+    """Discs that join loops no joint disc joins; returns (status, how many).
+
+    The disc at the rightmost point of a group of loops lies right of all of them, so it touches another group: after at most one
+    disc a hole all loops are connected. Rows of `extra`: x, y, r, s, s_winner; of `extra_site`: site, winner.
+    """
+    n_loops = loop_start.shape[0] - 1
+    for loop in range(n_loops):
+        loop_parent[loop] = loop
+    for j in range(si.shape[0]):
+        if kind[j] == THROUGH:
+            unite(loop_parent, si[j, LOOP], si[winner[j], LOOP])
+    count = 0
+    for _ in range(n_loops):
+        for group in range(1, n_loops):
+            if find(loop_parent, group) != group:
+                continue
+            best = -math.inf
+            site = -1
+            s = 0.0
+            for loop in range(n_loops):
+                if find(loop_parent, loop) == group:
+                    x, i, si_ = rightmost(si, sf, cp, loop_start[loop], loop_start[loop + 1])
+                    if x > best:
+                        best = x
+                        site = i
+                        s = si_
+            px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
+            skip = si[site, PREV] if s == 0.0 else -1
+            phi, w, sw = query(si, sf, cp, tree, stack, site, s, -ty, tx, skip, -1, K_LOW)
+            if w < 0 or find(loop_parent, si[w, LOOP]) == group:
+                return NO_PARTNER, count
+            unite(loop_parent, group, si[w, LOOP])
+            extra[count, 0] = px - ty / phi
+            extra[count, 1] = py + tx / phi
+            extra[count, 2] = 1.0 / phi
+            extra[count, 3] = s
+            extra[count, 4] = sw
+            extra_site[count, 0] = site
+            extra_site[count, 1] = w
+            count += 1
+    return OK, count
+
+
+@jit
+def same_disc(disc, a, b, tolerance):
+    """Centre and radius agree."""
+    dx = disc[a, 0] - disc[b, 0]
+    dy = disc[a, 1] - disc[b, 1]
+    return math.sqrt(dx * dx + dy * dy) + abs(disc[a, 2] - disc[b, 2]) <= tolerance
+
+
+@jit
+def unite_at_joints(si, disc, kind, winner, winner_s, parent, alive, tight, loose):
+    """Unite discs whose winner is another joint (exactly, or by disc identity), and chains of arcs on one circle.
+
+    `alive[d]` becomes False where the winner of disc d is the contact of another disc's joint.
+    """
+    n = si.shape[0]
+    for d in range(n):
+        alive[d] = kind[d] == THROUGH
+        if kind[d] == ARC_CONTACT:
+            if winner[d] & 1 and same_disc(disc, d, si[d, NEXT], loose):
+                unite(parent, d, si[d, NEXT])
+            if winner[d] & 2 and same_disc(disc, d, si[d, PREV], loose):
+                unite(parent, d, si[d, PREV])
+            continue
+        if kind[d] != THROUGH:
+            continue
+        w = winner[d]
+        s = winner_s[d]
+        for end in range(2):
+            joint = w if end == 0 else si[w, NEXT]
+            exact = (s <= 0.0 and end == 0) or (s >= 1.0 and end == 1)
+            leaf = kind[joint] == VERTEX_LEAF or kind[joint] == CURVATURE_LEAF
+            if not leaf and same_disc(disc, d, joint, loose if exact else tight):
+                unite(parent, d, joint)
+                alive[d] = False
+                break
+            if exact:
+                winner_s[d] = 1e-13 if end == 0 else 1.0 - 1e-13
+
+
+@jit
+def _before(angle_a, key_a, s_a, angle_b, key_b, s_b):
+    """Whether contact a comes before b anticlockwise, from a cut of the circle that both are away from."""
+    if abs(angle_a - angle_b) < ANGLE_NEAR:
+        return key_a < key_b or (key_a == key_b and s_a < s_b)
+    return angle_a < angle_b
+
+
+@jit
+def interleaved(site, s, angle, group, member_next, first, a, b, cut):
+    """Whether the contacts of groups a and b alternate around their common centre.
+
+    Groups are linked lists (`first`, `member_next`) of contacts; `cut` is an angle at which no contact lies near.
+    """
+    gap = -1
+    cb = first[b]
+    while cb >= 0:
+        below = 0
+        ca = first[a]
+        total = 0
+        while ca >= 0:
+            if _before((angle[ca] - cut) % (2.0 * math.pi), site[ca], s[ca],
+                       (angle[cb] - cut) % (2.0 * math.pi), site[cb], s[cb]):
+                below += 1
+            total += 1
+            ca = member_next[ca]
+        if below == total:
+            below = 0
+        if gap < 0:
+            gap = below
+        elif gap != below:
+            return True
+        cb = member_next[cb]
+    return False
+
+
+@jit
+def contact_angle(si, sf, cp, disc, d, i, s):
+    """Direction from the centre of disc d to its contact at s on site i."""
+    px, py, tx, ty, k, speed = evaluate(si, sf, cp, i, s, 0.0, 0.0)
+    return math.atan2(py - disc[d, 1], px - disc[d, 0])
+
+
+@jit
+def group_contacts(owner, alive, parent, first, member_next, last):
+    """Linked lists of the living contacts of each united disc."""
+    for d in range(first.shape[0]):
+        first[d] = -1
+    for c in range(owner.shape[0]):
+        if not alive[c]:
+            continue
+        d = find(parent, owner[c])
+        member_next[c] = -1
+        if first[d] < 0:
+            first[d] = c
+        else:
+            member_next[last[d]] = c
+        last[d] = c
+
+
+@jit
+def unite_crossed(si, disc, site, s, owner, angle, order, alive, parent, first, member_next, last, tolerance, tight):
+    """Unite discs whose contacts interleave; of two contacts that became one the second dies. Returns how many were united.
+
+    `order`: contacts along the loops. First, last, member_next: linked lists of the contacts of each united disc.
+    """
+    united = 0
+    n = order.shape[0]
+    for position in range(n):
+        a = order[position]
+        b = order[position + 1 if position + 1 < n else 0]
+        if not alive[a] or not alive[b] or si[site[a], LOOP] != si[site[b], LOOP]:
+            continue
+        if not (site[b] == site[a] or (site[b] == si[site[a], NEXT] and s[b] == 0.0)):
+            continue
+        if s[a] == 0.0 and s[b] == 0.0:
+            continue
+        da = find(parent, owner[a])
+        db = find(parent, owner[b])
+        if da == db:  # a disc touches a site once
+            alive[a if s[b] == 0.0 else b] = False
+            continue
+        if not same_disc(disc, da, db, tolerance):
+            continue
+        cut = 0.5 * (angle[a] + angle[b]) + math.pi
+        if not same_disc(disc, da, db, tight) and not interleaved(site, s, angle, da, member_next, first, da, db, cut):
+            continue
+        unite(parent, da, db)
+        root = find(parent, da)
+        other = db if root == da else da
+        member_next[last[root]] = first[other]
+        last[root] = last[other]
+        # a joint stays, a winner next to it goes
+        alive[a if s[b] == 0.0 else b] = False
+        united += 1
+    return united

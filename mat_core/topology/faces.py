@@ -1,0 +1,68 @@
+"""Cut the boundary at all contacts; the contacts of the discs tie the arcs between them to faces.
+
+          arc a              The domain cut along its discs falls apart into faces. A face is a cycle
+      D ----------- D'       a, next(a), ... of contact arcs; between two of them lies one disc:
+        \\   face   /            next(arc ending at q[i+1]) = arc starting at q[i]
+         arc next(a)         for the contacts q of that disc, anticlockwise around its centre.
+
+A face of one arc is an arc in whole contact with its disc, of two a strip (one stretch of the axis), of three a branch point, of
+more a small tree. Euler: faces = 1 - holes + sum over discs of (contacts - 1).
+"""
+
+from __future__ import annotations
+
+from mat_core.kernels.jit import jit
+
+
+@jit
+def cut_arcs(site, s, loop_of, order, arc_hi, next_contact):
+    """Arcs between consecutive contacts: arc a starts at contact order[a] and ends at contact next_contact[a].
+
+    All joints are contacts, so an arc lies on the site it starts on: it runs from s of its first contact to `arc_hi[a]`.
+    """
+    n = order.shape[0]
+    first = 0
+    for a in range(n):
+        c = order[a]
+        last_of_loop = a + 1 == n or loop_of[site[order[a + 1]]] != loop_of[site[c]]
+        following = first if last_of_loop else a + 1
+        e = order[following]
+        next_contact[a] = e
+        arc_hi[a] = s[e] if site[e] == site[c] and following > a else 1.0
+        if last_of_loop:
+            first = a + 1
+
+
+@jit
+def link_arcs(arc_of_contact, next_contact, around, around_start, disc_of, place_around, next_arc):
+    """next_arc[a]: the arc that follows arc a around its face.
+
+    `around[around_start[d]:around_start[d+1]]`: contacts of disc d, anticlockwise; `place_around[c]`: where c stands there.
+    """
+    for a in range(next_contact.shape[0]):
+        e = next_contact[a]
+        d = disc_of[e]
+        place = place_around[e]
+        previous = place - 1 if place > around_start[d] else around_start[d + 1] - 1
+        next_arc[a] = arc_of_contact[around[previous]]
+
+
+@jit
+def list_faces(next_arc, face_arcs, face_start):
+    """Cycles of `next_arc`, one after the other in `face_arcs`; returns their number."""
+    n = next_arc.shape[0]
+    done = 0
+    faces = 0
+    for a in range(n):
+        face_start[faces] = done
+        b = a
+        while next_arc[b] >= 0:
+            face_arcs[done] = b
+            done += 1
+            after = next_arc[b]
+            next_arc[b] = -1
+            b = after
+        if done > face_start[faces]:
+            faces += 1
+    face_start[faces] = done
+    return faces

@@ -1,0 +1,1 @@
+"""Points of the axis inside a strip, footpoint by footpoint."""

@@ -1,0 +1,67 @@
+"""Assembles the application: ``uvicorn --factory service.app:create_app``."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import FastAPI
+
+from service import __version__, openapi, responses
+from service.middleware import RequestContext
+from service.pool import Pool
+from service.routes import docs, health, mat
+from service.settings import Settings
+
+
+def create_app(settings: Settings | None = None, handler: str = "service.solve") -> FastAPI:
+    """The service as an ASGI application.
+
+    Parameters
+    ----------
+    settings : Settings, optional
+        Read from the environment when left out.
+    handler : str
+        The module that the workers run; tests put others in its place.
+
+    Raises
+    ------
+    service.settings.InvalidSetting
+        When a ``MAT_*`` variable cannot be used.
+    """
+    settings = settings or Settings.from_environment()
+    pool = Pool(settings, handler)
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        async with pool.running():
+            yield
+
+    app = FastAPI(
+        title="Medial axis transform",
+        version=__version__,
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+    )
+    app.state.settings = settings
+    app.state.pool = pool
+    app.add_middleware(RequestContext)
+    responses.install(app)
+    app.include_router(mat.router)
+    app.include_router(health.router)
+    app.include_router(docs.router)
+    app.mount("/static", docs.files, name="static")
+    openapi.install(app)
+    _log_lines()
+    return app
+
+
+def _log_lines() -> None:
+    """Send the service's log to standard error, one line an entry, unless the host has set up logging itself."""
+    log = logging.getLogger("service")
+    if not log.hasHandlers():
+        log.addHandler(logging.StreamHandler())
+        log.setLevel(logging.INFO)

@@ -1,0 +1,96 @@
+"""The one table of everything that can go wrong over HTTP, and the document that tells of it (RFC 9457).
+
+::
+
+    code                    status  who can mend it
+    not-json                400     the client: the body
+    invalid-parameter       400     the client: the query
+    not-found               404     the client: the address
+    method-not-allowed      405     the client: the verb
+    not-acceptable          406     the client: the Accept header
+    body-too-large          413     the client, or the operator's limit
+    unsupported-media-type  415     the client: the Content-Type or Content-Encoding header
+    invalid-domain          422     the client: see problems[]
+    too-complex             422     the client, or the operator's limit
+    not-certified           500     us: the answer failed its own proof and was withheld
+    internal-error          500     us
+    queue-full              503     nobody: try again after Retry-After
+    deadline-exceeded       503     the client (a smaller domain), or the operator's limit
+    worker-crashed          503     us; trying again is harmless
+    not-ready               503     nobody: still starting
+
+This module imports no web framework: workers use it, too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+MEDIA_TYPE = "application/problem+json"
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorKind:
+    """One row of the table: what never changes for a code, and the pause before trying again."""
+
+    status: int
+    title: str
+    retry_after_seconds: int | None = None
+
+
+ERRORS: dict[str, ErrorKind] = {
+    "not-json": ErrorKind(400, "The body is not JSON"),
+    "invalid-parameter": ErrorKind(400, "A query parameter has a value that is not allowed"),
+    "not-found": ErrorKind(404, "Nothing is at this address"),
+    "method-not-allowed": ErrorKind(405, "This address does not answer this method"),
+    "not-acceptable": ErrorKind(406, "None of the formats asked for is available"),
+    "body-too-large": ErrorKind(413, "The body is larger than this service takes"),
+    "unsupported-media-type": ErrorKind(415, "The body is not of a type this service reads"),
+    "invalid-domain": ErrorKind(422, "The domain is not valid"),
+    "too-complex": ErrorKind(422, "The domain is beyond a limit of this service"),
+    "not-certified": ErrorKind(500, "The answer failed its certificate and is withheld"),
+    "internal-error": ErrorKind(500, "The service failed"),
+    "queue-full": ErrorKind(503, "Too many requests are waiting", retry_after_seconds=2),
+    "deadline-exceeded": ErrorKind(503, "The time for this request ran out", retry_after_seconds=30),
+    "worker-crashed": ErrorKind(503, "The process that solved this request ended", retry_after_seconds=5),
+    "not-ready": ErrorKind(503, "The service is still starting", retry_after_seconds=2),
+}
+
+
+@dataclass(eq=False)
+class RequestError(Exception):
+    """A request that ends in a problem document.
+
+    Attributes
+    ----------
+    code : str
+        A key of `ERRORS`.
+    detail : str
+        What is wrong with this very request, and what to do.
+    extra : dict
+        Further members of the document, such as ``problems`` or ``line`` and ``column``.
+    headers : dict
+        Headers that belong to the answer, such as Allow.
+    """
+
+    code: str
+    detail: str
+    extra: dict[str, Any] = field(default_factory=dict)
+    headers: dict[str, str] = field(default_factory=dict)
+
+    def document(self, request_id: str | None = None) -> dict[str, Any]:
+        """The problem document; ``problems`` is always there, empty where it does not apply."""
+        kind = ERRORS[self.code]
+        document = {
+            "type": f"urn:mat:problem:{self.code}",
+            "title": kind.title,
+            "status": kind.status,
+            "detail": self.detail,
+            "code": self.code,
+            "problems": [],
+            **self.extra,
+        }
+        if request_id is not None:
+            document["request_id"] = request_id
+        return document

@@ -1,0 +1,124 @@
+"""The OpenAPI document: the web framework's own, with the bodies that it cannot see.
+
+The solve route takes its body as bytes (no large body is parsed on the event loop) and answers bytes that a worker
+encoded, so their schemas are put in here, together with a problem document for every code of `service.errors`.
+``make openapi`` writes the result to openapi/openapi.json.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from pydantic.json_schema import models_json_schema
+
+from service.errors import ERRORS, MEDIA_TYPE, RequestError
+from service.schemas import DomainRequest, MatAnswer, ProblemDocument
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "openapi" / "examples"
+"""Where a checkout and the image keep the examples; an installed wheel has none, and its document shows none."""
+
+SUMMARY = "The certified medial axis transform of planar domains bounded by rational B-splines."
+
+DESCRIPTION = """\
+POST a domain (one outer loop, any number of holes, each loop a chain of rational B-splines) and get its medial axis
+transform: segments with their radius functions, the graph, and a certificate that was checked before the answer left.
+
+Every failure is a problem document (RFC 9457) with a stable `code`; an invalid domain is answered with all of its
+problems at once, each with its place.
+"""
+
+SOLVE_CODES = [code for code in ERRORS if code not in ("not-found", "method-not-allowed", "not-ready")]
+READY_CODES = ["queue-full", "not-ready"]
+
+EXAMPLE_PROBLEMS = [
+    {
+        "code": "self-intersection",
+        "pointer": "/outer/0",
+        "message": "edges 0 and 2 of the outer loop cross",
+        "loop": 0,
+        "edge": 0,
+        "u": 0.5,
+        "x": 0.0,
+        "y": 0.0,
+        "other": "/outer/2",
+    }
+]
+
+Json = dict[str, Any]
+
+
+def install(app: FastAPI) -> None:
+    """Make `app` serve this document; it is built once, on first use."""
+
+    def document() -> Json:
+        if app.openapi_schema is None:
+            app.openapi_schema = build(app)
+        return app.openapi_schema
+
+    app.openapi = document  # type: ignore[method-assign]  # the framework's documented way
+
+
+def build(app: FastAPI) -> Json:
+    """The document of `app`."""
+    document = get_openapi(
+        title=app.title, version=app.version, summary=SUMMARY, description=DESCRIPTION, routes=app.routes
+    )
+    models = [(DomainRequest, "validation"), (MatAnswer, "serialization"), (ProblemDocument, "serialization")]
+    _, schemas = models_json_schema(models, ref_template="#/components/schemas/{model}")  # type: ignore[arg-type]
+    components = document.setdefault("components", {}).setdefault("schemas", {})
+    components.update(schemas["$defs"])
+    for unused in ("HTTPValidationError", "ValidationError"):
+        components.pop(unused, None)
+
+    solve = document["paths"]["/v1/mat"]["post"]
+    solve["requestBody"] = {"required": True, "content": {"application/json": _request_content()}}
+    solve["responses"] = {"200": _solved(), **_failures(SOLVE_CODES)}
+    document["paths"]["/readyz"]["get"]["responses"].update(_failures(READY_CODES))
+    return document
+
+
+def _request_content() -> Json:
+    examples = {
+        path.stem: {"summary": json.loads(path.read_text())["name"], "value": json.loads(path.read_text())}
+        for path in sorted(EXAMPLES.glob("*.json"))
+    }
+    return {"schema": _reference("DomainRequest")} | ({"examples": examples} if examples else {})
+
+
+def _solved() -> Json:
+    return {
+        "description": "The medial axis transform, certified.",
+        "headers": {
+            "Server-Timing": {"description": "milliseconds of each stage", "schema": {"type": "string"}},
+            "X-Request-ID": {"description": "as sent, or a new one", "schema": {"type": "string"}},
+        },
+        "content": {
+            "application/json": {"schema": _reference("MatAnswer")},
+            "image/svg+xml": {"schema": {"type": "string"}},
+        },
+    }
+
+
+def _failures(codes: list[str]) -> Json:
+    """One response for each status, with an example for each of its codes."""
+    responses: Json = {}
+    for code in codes:
+        kind = ERRORS[code]
+        content = {"schema": _reference("ProblemDocument"), "examples": {}}
+        response = responses.setdefault(str(kind.status), {"description": "", "content": {MEDIA_TYPE: content}})
+        response["description"] = "; ".join(filter(None, (response["description"], f"`{code}`: {kind.title}")))
+        extra: Json = {"problems": EXAMPLE_PROBLEMS} if code == "invalid-domain" else {}
+        example = RequestError(code, f"{kind.title}.", extra).document()
+        response["content"][MEDIA_TYPE]["examples"][code] = {"value": example}
+        if kind.retry_after_seconds is not None:
+            description = "seconds to wait before trying again"
+            response["headers"] = {"Retry-After": {"description": description, "schema": {"type": "integer"}}}
+    return responses
+
+
+def _reference(model: str) -> Json:
+    return {"$ref": f"#/components/schemas/{model}"}

@@ -1,0 +1,37 @@
+"""Whether the service lives, whether it can take work, and what it is; all on the event loop, never behind work."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request
+
+from service import __version__
+from service.errors import RequestError
+from service.pool import Pool
+from service.schemas import Status, Versions
+
+router = APIRouter(tags=["operation"])
+
+
+@router.get("/healthz")
+async def healthz() -> Status:
+    """The process answers. Depends on nothing else, so a failure is a reason to restart it."""
+    return Status(status="ok")
+
+
+@router.get("/readyz")
+async def readyz(request: Request) -> Status:
+    """The workers are warm and the queue has room. A failure is a reason to send requests elsewhere for a while."""
+    pool: Pool = request.app.state.pool
+    if pool.full:
+        raise RequestError("queue-full", "As many requests wait as may wait.")
+    if not pool.ready:
+        name, done, total = pool.progress
+        raise RequestError("not-ready", f"Loading the kernels: {done} of {total} ({name}).")
+    return Status(status="ready")
+
+
+@router.get("/version")
+async def version(request: Request) -> Versions:
+    """The versions of the service and of the algorithm; the latter is unknown until the workers are loaded."""
+    pool: Pool = request.app.state.pool
+    return Versions(service=__version__, algorithm=pool.about.get("algorithm", "unknown"))

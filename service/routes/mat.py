@@ -1,0 +1,81 @@
+"""POST /v1/mat: a domain in, its medial axis transform out."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query, Request, Response
+from starlette.requests import ClientDisconnect
+
+from service.errors import RequestError
+from service.negotiation import FORMATS, check_content, choose_format
+from service.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
+from service.settings import Settings
+
+router = APIRouter(tags=["medial axis"])
+
+
+@router.post("/v1/mat", operation_id="solve", summary="Solve a domain")
+async def solve(
+    request: Request,
+    f: Annotated[Literal["json", "svg"] | None, Query(description="the format; goes before the Accept header")] = None,
+) -> Response:
+    """The certified medial axis transform of a planar domain bounded by rational B-splines."""
+    settings: Settings = request.app.state.settings
+    form = f or choose_format(request.headers.get("accept", "*/*"))
+    check_content(request.headers)
+    body = await read_body(request, settings.max_body_bytes)
+    keep = str(settings.keep_failed_dir) if settings.keep_failed_dir else None
+    reply = await _solve_unless_disconnected(request, request.app.state.pool, {"format": form, "keep": keep}, body)
+    if "error" in reply.header:
+        raise RequestError(**reply.header["error"])
+    timings = {"queue": 1000 * reply.queue_seconds, **reply.header["timings"]}
+    timing = ", ".join(f"{name};dur={value:.3f}" for name, value in timings.items())
+    return Response(reply.body, headers={"Server-Timing": timing, "Vary": "Accept"}, media_type=FORMATS[form])
+
+
+async def read_body(request: Request, limit: int) -> bytes:
+    """The body, refused as soon as it is known to be too large; its bytes are counted, whatever its header promises."""
+    too_large = RequestError("body-too-large", f"The limit is {limit} bytes.", headers={"Connection": "close"})
+    announced = request.headers.get("content-length", "")
+    if announced.isdigit() and int(announced) > limit:
+        raise too_large
+    body = bytearray()
+    async for chunk in request.stream():
+        body += chunk
+        if len(body) > limit:
+            raise too_large
+    request.state.bytes_in = len(body)
+    return bytes(body)
+
+
+async def _solve_unless_disconnected(request: Request, pool: Pool, header: dict[str, str | None], body: bytes) -> Reply:
+    """Wait for the answer and for the client's going away, whichever comes first; the latter frees the worker."""
+    solving = asyncio.create_task(pool.solve(header, body))
+    leaving = asyncio.create_task(_disconnected(request))
+    try:
+        await asyncio.wait((solving, leaving), return_when=asyncio.FIRST_COMPLETED)
+        if not solving.done():
+            raise ClientDisconnect
+        return await solving
+    except QueueFull:
+        raise RequestError("queue-full", "As many requests wait as may wait; this one was not started.") from None
+    except DeadlineExceeded:
+        raise RequestError(
+            "deadline-exceeded", "The time from arrival to answer ran out; the work was stopped. Try a smaller domain."
+        ) from None
+    except WorkerCrashed:
+        raise RequestError("worker-crashed", "The work ended without an answer; it may be tried again.") from None
+    finally:
+        for task in (solving, leaving):
+            task.cancel()
+            with contextlib.suppress(asyncio.CancelledError, Exception):
+                await task
+
+
+async def _disconnected(request: Request) -> None:
+    """Return when the client has gone."""
+    while (await request.receive())["type"] != "http.disconnect":
+        pass

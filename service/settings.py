@@ -1,0 +1,109 @@
+"""What an operator can set, all of it by ``MAT_*`` environment variables.
+
+The port is deliberately not among them: Kubernetes sets ``<SERVICE>_PORT`` by itself, so a service called ``mat`` would
+find an address in ``MAT_PORT``. The port belongs to the command that starts the server.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+
+KIB = 1024
+MIB = 1024 * KIB
+
+
+class InvalidSetting(ValueError):
+    """A ``MAT_*`` variable holds something that cannot be used; the message names it and says what is expected."""
+
+
+def _integer(low: int, high: int) -> Callable[[str], int]:
+    def read(text: str) -> int:
+        value = int(text)
+        if not low <= value <= high:
+            raise ValueError
+        return value
+
+    read.__doc__ = f"a whole number from {low} to {high}"
+    return read
+
+
+def _seconds(low: float, high: float) -> Callable[[str], float]:
+    def read(text: str) -> float:
+        value = float(text)
+        if not low <= value <= high:
+            raise ValueError
+        return value
+
+    read.__doc__ = f"a number of seconds from {low:g} to {high:g}"
+    return read
+
+
+def _folder(text: str) -> Path | None:
+    """A folder, or nothing at all"""
+    return Path(text) if text else None
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Every setting with its default; `from_environment` reads ``MAT_`` plus the field's name in capitals.
+
+    Attributes
+    ----------
+    workers : int
+        Processes that solve. Each takes one domain at a time, so this is the number of cores to use.
+    max_body_bytes : int
+        Largest request body, counted as it arrives; a larger one is answered 413.
+    deadline_seconds : float
+        Longest time from a request's arrival to its answer, waiting included; then its worker is killed.
+    queue_limit : int
+        Requests that may wait for a worker; one more is answered 503 at once.
+    worker_memory_bytes : int
+        Address space a worker may claim beyond what it starts with; a larger demand is answered 422 too-complex.
+    worker_recycle_bytes : int
+        A worker whose resident size is above this after an answer is replaced, so that one big domain leaves no trace.
+    keep_failed_dir : Path or None
+        Where the request bodies of not-certified answers are kept, named by content hash; empty: they are not kept.
+    """
+
+    workers: int = field(default=2, metadata={"read": _integer(1, 256)})
+    max_body_bytes: int = field(default=16 * MIB, metadata={"read": _integer(KIB, 1024 * MIB)})
+    deadline_seconds: float = field(default=60.0, metadata={"read": _seconds(0.05, 86_400)})
+    queue_limit: int = field(default=64, metadata={"read": _integer(0, 100_000)})
+    worker_memory_bytes: int = field(default=1024 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
+    worker_recycle_bytes: int = field(default=512 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
+    keep_failed_dir: Path | None = field(default=None, metadata={"read": _folder})
+
+    @classmethod
+    def from_environment(cls, environment: Mapping[str, str] | None = None) -> Settings:
+        """Read the settings.
+
+        Parameters
+        ----------
+        environment : mapping of str to str, optional
+            Where to read them; the process's own environment when left out.
+
+        Raises
+        ------
+        InvalidSetting
+            Naming the first variable that cannot be used, and what it should hold.
+        """
+        source = os.environ if environment is None else environment
+        given = {}
+        for item in fields(cls):
+            name = variable(item.name)
+            if name not in source:
+                continue
+            read = item.metadata["read"]
+            try:
+                given[item.name] = read(source[name].strip())
+            except ValueError:
+                raise InvalidSetting(f"{name} is {source[name]!r}; expected {read.__doc__}") from None
+        return cls(**given)
+
+
+def variable(field_name: str) -> str:
+    """The environment variable of a field of `Settings`."""
+    return f"MAT_{field_name.upper()}"

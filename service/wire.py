@@ -1,0 +1,59 @@
+"""How the web process and a worker talk: one message each way over a Unix stream socket.
+
+::
+
+    | header bytes, u32 | body bytes, u64 | header (JSON) | body (as it came or as it leaves) |
+
+The body is never copied into the header, so a worker's encoded answer goes out to the client byte for byte. No pickle:
+a message can carry nothing that runs.
+"""
+
+from __future__ import annotations
+
+import socket
+import struct
+from typing import Any
+
+import orjson
+
+FRAME = struct.Struct("!IQ")
+
+Header = dict[str, Any]
+
+
+def pack(header: Header, body: bytes) -> tuple[bytes, bytes]:
+    """The two buffers of a message: prefix with header, and the body itself."""
+    text = orjson.dumps(header, option=orjson.OPT_SERIALIZE_NUMPY)
+    return FRAME.pack(len(text), len(body)) + text, body
+
+
+def send(channel: socket.socket, header: Header, body: bytes) -> None:
+    """Write one message to a blocking socket."""
+    for buffer in pack(header, body):
+        channel.sendall(buffer)
+
+
+def receive(channel: socket.socket) -> tuple[Header, bytes] | None:
+    """Read one message from a blocking socket; None when the other side has closed it."""
+    prefix = _exactly(channel, FRAME.size)
+    if prefix is None:
+        return None
+    header_size, body_size = FRAME.unpack(prefix)
+    header = _exactly(channel, header_size)
+    body = _exactly(channel, body_size)
+    if header is None or body is None:
+        return None
+    return orjson.loads(header), bytes(body)
+
+
+def _exactly(channel: socket.socket, size: int) -> bytearray | None:
+    """`size` bytes, or None if the stream ends before them."""
+    buffer = bytearray(size)
+    view = memoryview(buffer)
+    filled = 0
+    while filled < size:
+        count = channel.recv_into(view[filled:])
+        if count == 0:
+            return None
+        filled += count
+    return buffer

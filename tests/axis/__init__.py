@@ -1,0 +1,1 @@
+"""Tests of the whole: a domain goes in, the axis that comes out is right."""

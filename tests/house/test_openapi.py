@@ -1,0 +1,109 @@
+"""openapi/openapi.json is generated; here it is held to the code, and the examples to the document."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from service.app import create_app
+from service.errors import ERRORS, MEDIA_TYPE
+from service.openapi import READY_CODES, SOLVE_CODES
+from service.schemas import DomainRequest
+from service.settings import Settings
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCUMENT = json.loads((ROOT / "openapi" / "openapi.json").read_text(encoding="utf-8"))
+EXAMPLES = sorted((ROOT / "openapi" / "examples").glob("*.json"))
+
+
+def test_the_committed_document_is_what_the_code_generates() -> None:
+    assert create_app(Settings()).openapi() == DOCUMENT, "openapi/openapi.json is out of date; run: make openapi"
+
+
+def references(node: Any) -> Iterator[str]:
+    if isinstance(node, dict):
+        if isinstance(node.get("$ref"), str):
+            yield node["$ref"]
+        for value in node.values():
+            yield from references(value)
+    elif isinstance(node, list):
+        for value in node:
+            yield from references(value)
+
+
+def test_it_is_version_3_1_and_every_reference_resolves() -> None:
+    assert DOCUMENT["openapi"].startswith("3.1")
+    used = set(references(DOCUMENT))
+    assert used == {f"#/components/schemas/{name}" for name in DOCUMENT["components"]["schemas"]} - unused_roots(used)
+
+
+def unused_roots(used: set[str]) -> set[str]:
+    """Schemas that nothing refers to; there should be none."""
+    roots = {f"#/components/schemas/{name}" for name in DOCUMENT["components"]["schemas"]} - used
+    assert not roots
+    return roots
+
+
+def test_every_error_is_described_as_a_problem_document() -> None:
+    operations = [DOCUMENT["paths"]["/v1/mat"]["post"], DOCUMENT["paths"]["/readyz"]["get"]]
+    for operation, codes in zip(operations, (SOLVE_CODES, READY_CODES), strict=True):
+        for code in codes:
+            response = operation["responses"][str(ERRORS[code].status)]
+            assert list(response["content"]) == [MEDIA_TYPE]
+            assert response["content"][MEDIA_TYPE]["examples"][code]["value"]["code"] == code
+            assert ("headers" in response) == (ERRORS[code].status == 503)
+    assert set(SOLVE_CODES) | set(READY_CODES) | {"not-found", "method-not-allowed"} == set(ERRORS)
+
+
+def test_no_other_media_type_for_errors_has_slipped_in() -> None:
+    for path in DOCUMENT["paths"].values():
+        for operation in path.values():
+            for status, response in operation["responses"].items():
+                if int(status) >= 400:
+                    assert list(response["content"]) == [MEDIA_TYPE]
+
+
+def test_the_examples_are_in_the_document() -> None:
+    shown = DOCUMENT["paths"]["/v1/mat"]["post"]["requestBody"]["content"]["application/json"]["examples"]
+    assert {name: example["value"] for name, example in shown.items()} == {
+        path.stem: json.loads(path.read_text()) for path in EXAMPLES
+    }
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_examples_fit_the_model(path: Path) -> None:
+    DomainRequest.model_validate_json(path.read_text())
+
+
+LINE: dict[str, Any] = {"degree": 1, "control_points": [[0, 0], [1, 0]]}
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        {},
+        [],
+        None,
+        {"outer": []},
+        {"outer": 3},
+        {"outer": [LINE], "inner": []},
+        {"outer": [LINE | {"degree": True}]},
+        {"outer": [LINE | {"degree": 1.0}]},
+        {"outer": [LINE | {"degree": "1"}]},
+        {"outer": [LINE | {"control_points": [[0, 0], [True, 0]]}]},
+        {"outer": [LINE | {"control_points": [[0, 0], ["1", 0]]}]},
+        {"outer": [LINE | {"control_points": [[0, 0], [1, 0, 0]]}]},
+        {"outer": [LINE | {"weights": [1, 0]}]},
+        {"outer": [LINE], "options": {"tolerance": 0}},
+        {"outer": [LINE], "options": {"method": "voronoi"}},
+        {"outer": [LINE], "options": {"samples": 1}},
+    ],
+)
+def test_the_model_is_strict(body: Any) -> None:
+    with pytest.raises(ValidationError):
+        DomainRequest.model_validate_json(json.dumps(body))

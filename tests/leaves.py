@@ -1,0 +1,127 @@
+"""How many leaves an axis must have, counted on the boundary alone.
+
+Every convex vertex is a leaf. So is every local maximum of positive curvature (LMPC) whose osculating disc is empty,
+and every circular arc whose disc is empty and touches nothing else. Curvature is looked at on the grid of all cells,
+between vertices; a maximum may be smooth, sit at a jump of the curvature, or be a plateau (an arc).
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from tests.assertions import contact_parts
+from tests.reference import Floats, Ints, Reference
+
+LARGEST = 2.0  # no disc of a domain of size one is larger
+LEVEL = 1e-8  # relative change of curvature below which an arc is circular
+EMPTY = 1e-10  # a disc this much too large still counts as empty
+DOUBT = 1e-7  # up to here nobody can say
+
+
+class Leaves(NamedTuple):
+    """Number of leaves; `doubtful` ones are not counted."""
+
+    certain: int
+    doubtful: int
+
+
+def count_leaves(reference: Reference) -> Leaves:
+    """Leaves of the axis, by corners and curvature."""
+    count = sum(c.turn > 0 for c in reference.corners)
+    doubtful = 0
+    for cell, s, flat in candidates(reference):
+        p, normal, curvature = (v[0] for v in reference.at(np.array([cell]), np.array([s])))
+        if not np.isfinite(curvature):
+            doubtful += 1
+            continue
+        center = p + normal / curvature
+        short = 1 / curvature - reference.boundary.contacts(center[None])[0][0]
+        if short > DOUBT:
+            continue
+        if short > EMPTY:
+            doubtful += 1
+        elif flat:
+            count += len(contact_parts(reference, center, 1e-9)) == 1 and not _whole(reference, center)
+        else:
+            count += 1
+    return Leaves(int(count), doubtful)
+
+
+def _whole(reference: Reference, center: Floats) -> bool:
+    return contact_parts(reference, center, 1e-9)[0] > 2 * np.pi - 1e-6
+
+
+def candidates(reference: Reference) -> list[tuple[int, float, bool]]:
+    """Maxima of positive curvature as (cell, s, plateau), once each."""
+    found: list[tuple[int, float, bool]] = []
+    seen: list[Floats] = []
+    for cells, s in smooth_chains(reference):
+        point, normal, k = reference.at(cells, s)
+        k = np.nan_to_num(k, nan=0.0)
+        for a, b in level_runs(k):
+            if k[a] < 1 / LARGEST or (a > 0 and k[a - 1] > k[a]) or (b < len(k) - 1 and k[b + 1] > k[b]):
+                continue
+            m = (a + b) // 2
+            flat = b - a >= 8
+            if (a == 0 or b == len(k) - 1) and not flat:
+                continue  # a maximum at a vertex is no leaf of its own
+            cell, at = (int(cells[m]), float(s[m])) if flat else sharpen(reference, cells[a : b + 1], s[a : b + 1])
+            disc = np.array([*(point[m] + normal[m] / k[m]), 1 / k[m]])
+            if flat and any(np.abs(disc - other).max() < 1e-7 for other in seen):
+                continue
+            if flat:
+                seen.append(disc)
+            found.append((cell, at, flat))
+    return found
+
+
+def smooth_chains(reference: Reference) -> list[tuple[Ints, Floats]]:
+    """The grid of the boundary in its order, cut at vertices; a loop without one wraps round once more."""
+    grid = reference.boundary.grid.shape[1]
+    loop_of = np.array([reference.names[o][0] for o in reference.boundary.owner])
+    cuts = {c.cell for c in reference.corners}
+    chains = []
+    for loop in range(len(reference.loops)):
+        cells = [int(c) for c in np.nonzero(loop_of == loop)[0]]
+        ends = [i for i, c in enumerate(cells) if c in cuts]
+        if not ends:
+            k = reference.at(np.repeat(cells, grid), np.tile(np.linspace(0, 1, grid), len(cells)))[2]
+            start = int(np.argmin(np.nan_to_num(k, nan=np.inf))) // grid
+            pieces = [cells[start:] + cells[: start + 1]]
+        else:
+            turned = cells[ends[-1] + 1 :] + cells[: ends[-1] + 1]
+            stops = [0, *(turned.index(cells[i]) + 1 for i in sorted(ends, key=lambda i: turned.index(cells[i])))]
+            pieces = [turned[a:b] for a, b in pairwise(stops)]
+        for piece in pieces:
+            chains.append(
+                (np.repeat(np.array(piece, dtype=np.int64), grid), np.tile(np.linspace(0, 1, grid), len(piece)))
+            )
+    return chains
+
+
+def level_runs(k: Floats) -> list[tuple[int, int]]:
+    """Runs of equal curvature, first and last index; most are one or two long."""
+    change = np.abs(np.diff(k)) > LEVEL * np.maximum(np.abs(k[1:]), np.abs(k[:-1]))
+    breaks = np.nonzero(change)[0]
+    return list(zip([0, *(int(b) + 1 for b in breaks)], [*(int(b) for b in breaks), len(k) - 1], strict=True))
+
+
+def sharpen(reference: Reference, cells: Ints, s: Floats) -> tuple[int, float]:
+    """The best of a smooth maximum round a run: golden sections within half a grid step either side, cell by cell."""
+    step = 1.0 / (reference.boundary.grid.shape[1] - 1)
+    best, where = -np.inf, (int(cells[0]), float(s[0]))
+    for cell, at in zip(cells, s, strict=True):
+        lo, hi = max(0.0, float(at) - step), min(1.0, float(at) + step)
+        ratio = (np.sqrt(5) - 1) / 2
+        for _ in range(44):
+            a, b = hi - ratio * (hi - lo), lo + ratio * (hi - lo)
+            ka, kb = reference.at(np.array([cell, cell]), np.array([a, b]))[2]
+            lo, hi = (lo, b) if ka >= kb else (a, hi)
+        for trial in (0.5 * (lo + hi), float(at)):
+            k = float(reference.at(np.array([cell]), np.array([trial]))[2][0])
+            if k > best:
+                best, where = k, (int(cell), trial)
+    return where

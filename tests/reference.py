@@ -1,0 +1,429 @@
+"""The slow, obvious oracle: distances and maximal discs by dense subdivision, sharing nothing with the library.
+
+Every rational B-spline is cut into Bezier spans by blossoming and every span halved until its pieces, the *cells*, are
+short and flat. A cell lies within `sag` of its chord (convex hull property), so a cell may be skipped for a query point
+when its chord is too far off; in the cells that remain every local minimum of the distance is bracketed on a fixed grid
+of nine parameters and refined by a safeguarded Newton iteration.
+
+    chord  o-----------o        distance(p, cell) >= distance(p, chord) - sag
+            `--.____.-'  ) sag
+
+The maximal disc tangent at a boundary point is found by the shrinking ball: start too large, move to the disc through
+the nearest point, repeat. Everything works in *normalised* coordinates: (input - box centre) / larger side of the box.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from scipy.special import comb
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+CELL_LENGTH = 1 / 150  # longest cell, in units of the domain's larger side: thousands of cells a shape
+CELL_SAG = 0.008  # sag / chord of a cell: about 4 degrees of turning
+DEEPEST = 34  # halvings of a span: below this a cell is at rounding level
+GRID = 9  # parameters per cell where the sign of the derivative of the distance is looked at
+TIE = 1e-14  # distances closer than this are taken as equal
+OWN_BLUR = 3e-7  # error of a disc that its own curvature bounds: its partner is nearer than (TIE / k'')^(1/4)
+CORNER = 1e-6  # radians of turning that make a vertex, the default of the option smooth_angle
+
+
+class Contacts(NamedTuple):
+    """Local minima of the distance from query points: (c,) arrays, `point` (c, dim)."""
+
+    query: Ints
+    cell: Ints
+    s: Floats
+    point: Floats
+    distance: Floats
+
+
+def elevate(control: Floats, degree: int) -> Floats:
+    """Raise the degree of Bezier control points (k + 1, dim) to `degree`, exactly."""
+    while len(control) - 1 < degree:
+        n = len(control)
+        a = (np.arange(n + 1) / n)[:, None]
+        padded = np.vstack([control[:1], control, control[-1:]])
+        control = a * padded[:-1] + (1 - a) * padded[1:]
+    return control
+
+
+def blossom(control: Floats, knots: Floats, degree: int, span: int, arguments: Floats) -> Floats:
+    """The symmetric multi-affine form of the polynomial on knot span `span` at `degree` arguments."""
+    d = control[span - degree : span + 1].copy()
+    for level, a in enumerate(arguments, start=1):
+        for j in range(degree, level - 1, -1):
+            i = span - degree + j
+            lo, hi = knots[i], knots[i + degree - level + 1]
+            w = (a - lo) / (hi - lo)
+            d[j] = (1 - w) * d[j - 1] + w * d[j]
+    return d[degree]
+
+
+def bezier_spans(control: Floats, knots: Floats, degree: int) -> list[tuple[float, float, Floats]]:
+    """Bezier form of every knot span that is not empty: (u0, u1, homogeneous control points)."""
+    spans = []
+    for k in range(degree, len(control)):
+        u0, u1 = knots[k], knots[k + 1]
+        if u1 > u0:
+            points = [
+                blossom(control, knots, degree, k, np.array([u0] * (degree - j) + [u1] * j)) for j in range(degree + 1)
+            ]
+            spans.append((float(u0), float(u1), np.array(points)))
+    return spans
+
+
+def homogeneous(points: Floats, weights: Floats) -> Floats:
+    """Rows (w x, w y, ..., w)."""
+    return np.hstack([points * weights[:, None], weights[:, None]])
+
+
+def full_knots(edge: dict[str, Any]) -> Floats:
+    """The edge's knots; those of a Bezier when left out."""
+    degree = int(edge["degree"])
+    given = edge.get("knots")
+    return np.array([0.0] * (degree + 1) + [1.0] * (degree + 1) if given is None else given, dtype=float)
+
+
+class CurveSet:
+    """A set of rational B-splines of any dimension, cut into cells, that answers nearest-point queries."""
+
+    def __init__(self, curves: list[tuple[int, Floats, Floats]], cell_length: float = CELL_LENGTH) -> None:
+        """`curves`: (degree, knots, homogeneous control points) each; coordinates of size about one."""
+        self.degree = max(degree for degree, _, _ in curves)
+        owner, u0, u1, control = [], [], [], []
+        for i, (degree, knots, points) in enumerate(curves):
+            for a, b, bezier in bezier_spans(points, knots, degree):
+                owner.append(i)
+                u0.append(a)
+                u1.append(b)
+                control.append(elevate(bezier, self.degree))
+        self.owner: Ints = np.array(owner, dtype=np.int64)
+        self.u0: Floats = np.array(u0)
+        self.u1: Floats = np.array(u1)
+        self.control: Floats = np.array(control)
+        for _ in range(DEEPEST):
+            if not self._halve(cell_length):
+                break
+        order = np.lexsort((self.u0, self.owner))
+        self.owner, self.u0, self.u1, self.control = (
+            self.owner[order],
+            self.u0[order],
+            self.u1[order],
+            self.control[order],
+        )
+        self.start, self.end = self._project(self.control[:, 0]), self._project(self.control[:, -1])
+        self.sag = self._sag()
+        self.half = 0.5 * np.linalg.norm(self.end - self.start, axis=1) + self.sag
+        s = np.repeat(np.linspace(0, 1, GRID)[None], len(self.owner), axis=0)
+        cells = np.repeat(np.arange(len(self.owner))[:, None], GRID, axis=1)
+        self.grid, self.grid_d, _ = (
+            v.reshape(len(self.owner), GRID, -1) for v in self.evaluate(cells.ravel(), s.ravel())
+        )
+        self.tree = cKDTree(0.5 * (self.start + self.end))
+        self.start_tree = cKDTree(self.grid.reshape(-1, self.grid.shape[2]))
+
+    @staticmethod
+    def _project(h: Floats) -> Floats:
+        return np.asarray(h[..., :-1] / h[..., -1:])
+
+    def _sag(self) -> Floats:
+        """Largest distance of a control point from the chord of its cell, (cells,)."""
+        p = self._project(self.control)
+        return np.max(np.linalg.norm(p - _closest_on_chords(p, p[:, :1], p[:, -1:]), axis=2), axis=1)
+
+    def _halve(self, cell_length: float) -> bool:
+        """Halve the cells that are too long or too bent; False when there were none."""
+        p = self._project(self.control)
+        chord = np.linalg.norm(p[:, -1] - p[:, 0], axis=1)
+        length = np.sum(np.linalg.norm(np.diff(p, axis=1), axis=2), axis=1)
+        bad = (length > cell_length) | ((self._sag() > CELL_SAG * chord) & (length > 1e-11))
+        if not bad.any():
+            return False
+        left, right, d = [self.control[bad][:, 0]], [self.control[bad][:, -1]], self.control[bad]
+        while d.shape[1] > 1:
+            d = 0.5 * (d[:, :-1] + d[:, 1:])
+            left.append(d[:, 0])
+            right.append(d[:, -1])
+        mid = 0.5 * (self.u0[bad] + self.u1[bad])
+        self.control = np.concatenate([self.control[~bad], np.stack(left, axis=1), np.stack(right[::-1], axis=1)])
+        self.owner = np.concatenate([self.owner[~bad], self.owner[bad], self.owner[bad]])
+        self.u0, self.u1 = (
+            np.concatenate([self.u0[~bad], self.u0[bad], mid]),
+            np.concatenate([self.u1[~bad], mid, self.u1[bad]]),
+        )
+        return True
+
+    def evaluate(self, cell: Ints, s: Floats) -> tuple[Floats, Floats, Floats]:
+        """Position and its first two derivatives by the cell's own s in [0, 1]; each (n, dim)."""
+        d, n = self.control[cell], self.degree
+        bernstein = [
+            comb(k, np.arange(k + 1)) * s[:, None] ** np.arange(k + 1) * (1 - s[:, None]) ** np.arange(k, -1, -1)
+            for k in (n, n - 1, max(n - 2, 0))
+        ]
+        first = n * np.diff(d, axis=1)
+        h0 = np.einsum("ij,ijk->ik", bernstein[0], d)
+        h1 = np.einsum("ij,ijk->ik", bernstein[1], first)
+        h2 = np.einsum("ij,ijk->ik", bernstein[2], (n - 1) * np.diff(first, axis=1)) if n > 1 else np.zeros_like(h0)
+        w = h0[:, -1:]
+        c = h0[:, :-1] / w
+        c1 = (h1[:, :-1] - h1[:, -1:] * c) / w
+        return c, c1, (h2[:, :-1] - 2 * h1[:, -1:] * c1 - h2[:, -1:] * c) / w
+
+    def locate(self, owner: int, u: float) -> tuple[int, float]:
+        """The cell of curve `owner` that holds parameter u, and the cell's own parameter."""
+        first, last = np.searchsorted(self.owner, [owner, owner + 1])
+        i = int(np.clip(np.searchsorted(self.u0[first:last], u, side="right") - 1, 0, last - first - 1)) + int(first)
+        return i, float(np.clip((u - self.u0[i]) / (self.u1[i] - self.u0[i]), 0.0, 1.0))
+
+    def points(self, owner: Ints, u: Floats) -> Floats:
+        """Positions at curve parameters."""
+        where = [self.locate(int(o), float(v)) for o, v in zip(owner, u, strict=True)]
+        return self.evaluate(np.array([c for c, _ in where], dtype=np.int64), np.array([s for _, s in where]))[0]
+
+    def contacts(self, queries: Floats, slack: float | Floats = 0.0) -> tuple[Floats, Contacts]:
+        """Distances (m,) of the queries (m, dim), and all local minima within `slack` of them.
+
+        A minimum at the end of a cell is reported by that cell only; whether the neighbour goes on decreasing is
+        left to the caller. Of exact ties (the centre of a circle) some are reported.
+        """
+        m = len(queries)
+        slack = np.broadcast_to(np.asarray(slack, dtype=float), (m,))
+        upper = self.start_tree.query(queries)[0]
+        found = self.tree.query_ball_point(queries, upper + slack + self.half.max() * (1 + 1e-12) + 1e-15)
+        counts = np.array([len(f) for f in found])
+        q = np.repeat(np.arange(m), counts)
+        cell = np.concatenate([np.asarray(f, dtype=np.int64) for f in found])
+        p = queries[q]
+        chord = np.linalg.norm(p - _closest_on_chords(p, self.start[cell], self.end[cell]), axis=1)
+        keep = chord - self.sag[cell] <= (upper + slack)[q] + 1e-14
+        q, cell, p = q[keep], cell[keep], p[keep]
+        # one row per bracket: a sign change - to + of (C - p).C', or a cell end from which the distance grows inward
+        g = np.einsum("ijk,ijk->ij", self.grid[cell] - p[:, None], self.grid_d[cell])
+        row, j = np.nonzero((g[:, :-1] < 0) & (g[:, 1:] >= 0))
+        step = 1.0 / (GRID - 1)
+        s = self._refine(cell[row], p[row], j * step, (j + 1) * step)
+        at0, at1 = np.nonzero(g[:, 0] >= 0)[0], np.nonzero(g[:, -1] <= 0)[0]
+        rows = np.concatenate([row, at0, at1])
+        s = np.concatenate([s, np.zeros(len(at0)), np.ones(len(at1))])
+        q, cell = q[rows], cell[rows]
+        point = self.evaluate(cell, s)[0]
+        distance = np.linalg.norm(point - queries[q], axis=1)
+        best = upper.copy()
+        np.minimum.at(best, q, distance)
+        near = distance <= best[q] + slack[q] + 1e-13
+        return best, Contacts(q[near], cell[near], s[near], point[near], distance[near])
+
+    def _refine(self, cell: Ints, p: Floats, lo: Floats, hi: Floats) -> Floats:
+        """Root of (C(s) - p).C'(s) in [lo, hi] by Newton, bisecting whenever it would leave the bracket."""
+        lo, hi = lo.copy(), hi.copy()
+        s = 0.5 * (lo + hi)
+        for _ in range(60):
+            c, c1, c2 = self.evaluate(cell, s)
+            g = np.einsum("ij,ij->i", c - p, c1)
+            dg = np.einsum("ij,ij->i", c1, c1) + np.einsum("ij,ij->i", c - p, c2)
+            lo, hi = np.where(g < 0, s, lo), np.where(g < 0, hi, s)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                new = s - g / dg
+            new = np.where((new >= lo) & (new <= hi), new, 0.5 * (lo + hi))
+            moved = np.abs(new - s)
+            s = new
+            if not np.any(moved > 1e-13):
+                break
+        return s
+
+    def nearest(self, queries: Floats) -> tuple[Floats, Ints, Floats, Floats]:
+        """Distance, and cell, parameter and point of one nearest point for every query."""
+        best, contact = self.contacts(queries, 1e-14)
+        order = np.lexsort((contact.distance, contact.query))
+        first = order[np.unique(contact.query[order], return_index=True)[1]]
+        cell = np.zeros(len(queries), dtype=np.int64)
+        s = np.zeros(len(queries))
+        grid = self.start_tree.query(queries)[1]  # where no minimum is bracketed, the best of the grid
+        cell[:], s[:] = grid // GRID, (grid % GRID) / (GRID - 1)
+        cell[contact.query[first]], s[contact.query[first]] = contact.cell[first], contact.s[first]
+        return best, cell, s, self.evaluate(cell, s)[0]
+
+
+def _closest_on_chords(p: Floats, a: Floats, b: Floats) -> Floats:
+    """Points of the straight segments a..b nearest to p, all (..., dim)."""
+    ab = b - a
+    length_sq = np.sum(ab * ab, axis=-1, keepdims=True)
+    f = np.sum((p - a) * ab, axis=-1, keepdims=True) / np.where(length_sq > 0, length_sq, 1.0)
+    return a + np.clip(f, 0.0, 1.0) * ab
+
+
+class Discs(NamedTuple):
+    """Maximal discs tangent at boundary points; `blur` bounds the rounding error of each."""
+
+    center: Floats
+    radius: Floats
+    partner: Floats
+    blur: Floats
+
+
+class Corner(NamedTuple):
+    """A vertex: cell that ends there, point, turning (positive = convex) and the normals on both sides."""
+
+    cell: int
+    point: Floats
+    turn: float
+    normal_in: Floats
+    normal_out: Floats
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The oracle of one domain, given as the JSON object of the contract."""
+
+    domain: dict[str, Any]
+
+    @cached_property
+    def loops(self) -> list[list[dict[str, Any]]]:
+        """Outer loop first, then the holes."""
+        return [self.domain["outer"], *self.domain.get("holes", [])]
+
+    @cached_property
+    def frame(self) -> tuple[Floats, float]:
+        """Centre of the outer loop's bounding box and its larger side (to about 1e-7), the unit of all results."""
+        curves = [(int(e["degree"]), full_knots(e), _edge_points(e, np.zeros(2), 1.0)) for e in self.domain["outer"]]
+        corners = np.vstack([c[:, :2] / c[:, 2:] for _, _, c in curves])
+        middle, rough = 0.5 * (corners.min(0) + corners.max(0)), float(np.ptp(corners, axis=0).max())
+        scaled = CurveSet(
+            [(d, k, _edge_points(e, middle, rough)) for (d, k, _), e in zip(curves, self.domain["outer"], strict=True)]
+        )
+        grid = scaled.grid.reshape(-1, 2)
+        return middle + rough * 0.5 * (grid.min(0) + grid.max(0)), rough * float(np.ptp(grid, axis=0).max())
+
+    @cached_property
+    def floor(self) -> float:
+        """What the rounding of the input's own coordinates is worth in normalised length."""
+        origin, size = self.frame
+        return float(4 * np.finfo(float).eps * (np.abs(origin).max() + size) / size)
+
+    @cached_property
+    def names(self) -> list[tuple[int, int]]:
+        """(loop, edge) of every curve of the boundary set."""
+        return [(i, j) for i, loop in enumerate(self.loops) for j in range(len(loop))]
+
+    @cached_property
+    def boundary(self) -> CurveSet:
+        """All edges, normalised."""
+        origin, size = self.frame
+        return CurveSet(
+            [(int(e["degree"]), full_knots(e), _edge_points(e, origin, size)) for loop in self.loops for e in loop]
+        )
+
+    @cached_property
+    def follow(self) -> Ints:
+        """(cells,) the next cell along each cell's own loop, as the loop is given."""
+        loop = np.array([self.names[o][0] for o in self.boundary.owner])
+        following = np.arange(1, len(loop) + 1)
+        for i in range(len(self.loops)):
+            own = np.nonzero(loop == i)[0]
+            following[own[-1]] = own[0]
+        return following
+
+    @cached_property
+    def side(self) -> Floats:
+        """(cells,) +1 where the interior is on the left of increasing u, -1 where the loop was given the other way."""
+        loop = np.array([self.names[o][0] for o in self.boundary.owner])
+        a, b = self.boundary.start, self.boundary.end
+        twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        areas = np.array([twice[loop == i].sum() for i in range(len(self.loops))])
+        wanted = np.where(np.arange(len(self.loops)) == 0, 1.0, -1.0)
+        return np.asarray(np.sign(areas) * wanted)[loop]
+
+    @cached_property
+    def ends(self) -> tuple[Floats, Floats]:
+        """Unit tangents at the start and end of every cell, in the direction of u; safe at zero speed."""
+        p = self.boundary.control[:, :, :2] / self.boundary.control[:, :, 2:]
+        return _first_direction(p), -_first_direction(p[:, ::-1])
+
+    @cached_property
+    def corners(self) -> list[Corner]:
+        """Every vertex of the boundary, with the interior on the left."""
+        t0, t1 = self.ends
+        before, after = t1, t0[self.follow]
+        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        turn = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
+        found = []
+        for i in np.nonzero(np.abs(turn) > CORNER)[0]:
+            angle, side = float(turn[i]), self.side[i]
+            t_in, t_out = (before[i], after[i]) if side > 0 else (-after[i], -before[i])
+            if abs(angle) > np.pi - 1e-3:  # a cusp: the domain decides which way it points
+                ahead = self.boundary.end[i] + 1e-4 * (t_in - t_out) / np.linalg.norm(t_in - t_out)
+                angle = abs(angle) * (-1.0 if self.inside(ahead[None])[0] else 1.0)
+            found.append(Corner(int(i), self.boundary.end[i], angle, _left(t_in), _left(t_out)))
+        return found
+
+    def inside(self, points: Floats) -> NDArray[np.bool_]:
+        """Crossing number on the chords of the cells: right beyond a sag of the boundary."""
+        a, b = self.boundary.start, self.boundary.end
+        result = np.zeros(len(points), dtype=bool)
+        for i, (x, y) in enumerate(points):
+            up = (a[:, 1] <= y) != (b[:, 1] <= y)
+            f = (y - a[up, 1]) / (b[up, 1] - a[up, 1])
+            result[i] = np.count_nonzero(a[up, 0] + f * (b[up, 0] - a[up, 0]) > x) % 2 == 1
+        return result
+
+    def at(self, cell: Ints, s: Floats) -> tuple[Floats, Floats, Floats]:
+        """Point, inward unit normal and curvature (positive = convex seen from inside) at cell parameters."""
+        c, c1, c2 = self.boundary.evaluate(cell, s)
+        side = self.side[cell]
+        speed = np.linalg.norm(c1, axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            curvature = side * (c1[:, 0] * c2[:, 1] - c1[:, 1] * c2[:, 0]) / speed**3
+            normal = side[:, None] * _left(c1) / speed[:, None]
+        return c, normal, curvature
+
+    def maximal_discs(self, p: Floats, normal: Floats, curvature: Floats) -> Discs:
+        """Largest discs tangent at the points `p` on the side of `normal`; `curvature` is the larger of both sides."""
+        largest = 2.0  # beyond any disc of a domain of size one
+        with np.errstate(divide="ignore"):
+            r = np.minimum(np.where(curvature > 0, 1 / np.maximum(curvature, 1e-300), largest), largest)
+        partner, blur = p.copy(), np.full(len(p), OWN_BLUR)
+        active = np.arange(len(p))
+        for _ in range(200):
+            if not len(active):
+                break
+            c = p[active] + r[active, None] * normal[active]
+            d, _, _, q = self.boundary.nearest(c)
+            apart = q - p[active]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                new = np.sum(apart**2, axis=1) / (2 * np.sum(apart * normal[active], axis=1))
+                noise = 2 * TIE * (r[active] / np.linalg.norm(apart, axis=1)) ** 2
+            shrinks = (d < r[active] - TIE) & (new > 0) & (new < r[active] - 1e-16) & (noise < 1e-3)
+            done = active[shrinks]
+            stuck = (~shrinks) & (r[active] - d > 1e-12)
+            blur[active[stuck]] = 1.0
+            r[done], partner[done] = new[shrinks], q[shrinks]
+            blur[done] = 1e-14 + noise[shrinks]
+            active = done
+        return Discs(p + r[:, None] * normal, r, partner, blur)
+
+
+def _edge_points(edge: dict[str, Any], origin: Floats, size: float) -> Floats:
+    points = (np.array(edge["control_points"], dtype=float) - origin) / size
+    given = edge.get("weights")
+    return homogeneous(points, np.ones(len(points)) if given is None else np.array(given, dtype=float))
+
+
+def _left(v: Floats) -> Floats:
+    return np.stack([-v[..., 1], v[..., 0]], axis=-1)
+
+
+def _first_direction(p: Floats) -> Floats:
+    """Direction from p[:, 0] to the first control point that differs from it."""
+    legs = p[:, 1:] - p[:, :1]
+    lengths = np.linalg.norm(legs, axis=2)
+    first = np.argmax(lengths > 1e-14, axis=1)
+    rows = np.arange(len(p))
+    return legs[rows, first] / np.maximum(lengths[rows, first], 1e-300)[:, None]

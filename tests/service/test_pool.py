@@ -1,0 +1,228 @@
+"""The pool under every way a worker can fail, with real processes."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from service.pool import LARGE_BODY_BYTES, DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
+from service.settings import MIB, Settings
+from tests.service.processes import alive, descendants, eventually, status
+
+HANDLER = "tests.service.handlers"
+
+
+def order(do: str, padding: int = 0, **content: Any) -> bytes:
+    return json.dumps({"do": do, **content}).encode() + b" " * padding
+
+
+def with_pool(scenario: Callable[[Pool], Awaitable[None]], handler: str = HANDLER, **settings: Any) -> None:
+    """Run a scenario against a running pool, then hold that no process is left."""
+
+    async def run() -> None:
+        pool = Pool(Settings(**{"workers": 2, "deadline_seconds": 20.0, **settings}), handler)
+        async with pool.running():
+            await scenario(pool)
+            seen.update(descendants(os.getpid()))
+
+    seen: set[int] = set()
+    asyncio.run(run())
+    eventually(lambda: not any(alive(pid) for pid in seen))
+
+
+async def eventually_in_loop(condition: Callable[[], bool], seconds: float = 10.0) -> None:
+    async with asyncio.timeout(seconds):
+        while not condition():
+            await asyncio.sleep(0.005)
+
+
+async def pid_of(pool: Pool) -> int:
+    reply = await pool.solve({}, order("echo"))
+    return int(reply.header["pid"])
+
+
+def test_an_answer_comes_back_with_its_body_and_times() -> None:
+    async def scenario(pool: Pool) -> None:
+        body = order("echo", padding=3 * MIB)
+        reply = await pool.solve({}, body)
+        assert reply.body == body
+        assert "resident_bytes" not in reply.header
+        assert reply.queue_seconds >= 0
+        assert reply.work_seconds > 0
+        assert pool.about == {"service": "test", "algorithm": "test"}
+        assert pool.progress == ("nothing to compile", 1, 1)
+
+    with_pool(scenario)
+
+
+def test_two_workers_work_at_the_same_time_in_processes_of_their_own() -> None:
+    async def scenario(pool: Pool) -> None:
+        replies = await asyncio.gather(*(pool.solve({}, order("spin", seconds=0.3)) for _ in range(2)))
+        assert len({reply.header["pid"] for reply in replies} | {os.getpid()}) == 3
+        assert max(reply.queue_seconds for reply in replies[1:]) < 0.25
+
+    with_pool(scenario)
+
+
+def test_a_deadline_kills_the_deaf_worker_and_the_next_answer_is_soon_there() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        begun = time.monotonic()
+        with pytest.raises(DeadlineExceeded):
+            await pool.solve({}, order("spin", seconds=60))
+        assert time.monotonic() - begun < 1.0
+        begun = time.monotonic()
+        await pid_of(pool)
+        assert time.monotonic() - begun < 0.5
+
+    with_pool(scenario, workers=1, deadline_seconds=0.3)
+
+
+def test_time_in_the_queue_counts() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        first = asyncio.create_task(pool.solve({}, order("spin", seconds=0.8)))
+        await asyncio.sleep(0.4)
+        begun = time.monotonic()
+        results = await asyncio.gather(first, pool.solve({}, order("spin", seconds=0.8)), return_exceptions=True)
+        assert isinstance(results[0], Reply)
+        assert isinstance(results[1], DeadlineExceeded)
+        assert time.monotonic() - begun < 1.4
+
+    with_pool(scenario, workers=1, deadline_seconds=1.0)
+
+
+def test_cancelling_kills_the_worker() -> None:
+    async def scenario(pool: Pool) -> None:
+        before = await pid_of(pool)
+        task = asyncio.create_task(pool.solve({}, order("spin", seconds=60)))
+        await asyncio.sleep(0.1)
+        task.cancel()
+        await asyncio.wait([task])
+        await eventually_in_loop(lambda: not alive(before))
+        assert await pid_of(pool) != before
+
+    with_pool(scenario, workers=1)
+
+
+@pytest.mark.parametrize("action", ["crash", "fail"])
+def test_a_worker_that_dies_is_reported_and_replaced(action: str) -> None:
+    async def scenario(pool: Pool) -> None:
+        for _ in range(3):
+            with pytest.raises(WorkerCrashed):
+                await pool.solve({}, order(action))
+        assert (await pool.solve({}, order("echo"))).body
+
+    with_pool(scenario)
+
+
+def test_an_idle_worker_that_is_killed_from_outside_is_replaced_unnoticed() -> None:
+    async def scenario(pool: Pool) -> None:
+        pids = {await pid_of(pool) for _ in range(4)}
+        for pid in pids:
+            os.kill(pid, signal.SIGKILL)
+        await eventually_in_loop(lambda: not any(alive(pid) for pid in pids))
+        await asyncio.sleep(0.1)
+        assert await pid_of(pool) not in pids
+
+    with_pool(scenario)
+
+
+def test_a_nursery_that_is_killed_is_started_again_and_its_workers_do_not_linger() -> None:
+    async def scenario(pool: Pool) -> None:
+        worker = await pid_of(pool)
+        _, parent = status(worker)
+        os.kill(parent, signal.SIGKILL)
+        await eventually_in_loop(lambda: not alive(worker))
+        assert await pid_of(pool) != worker
+
+    with_pool(scenario)
+
+
+def test_one_more_than_may_wait_is_refused_at_once() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        tasks = [asyncio.create_task(pool.solve({}, order("spin", seconds=0.5))) for _ in range(3)]
+        await asyncio.sleep(0.1)
+        assert pool.full
+        begun = time.monotonic()
+        with pytest.raises(QueueFull):
+            await pool.solve({}, order("echo"))
+        assert time.monotonic() - begun < 0.1
+        assert all(isinstance(reply, Reply) for reply in await asyncio.gather(*tasks))
+        assert not pool.full
+
+    with_pool(scenario, workers=1, queue_limit=2)
+
+
+def test_large_bodies_leave_a_worker_free_for_small_ones() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        large = order("spin", seconds=0.5, padding=LARGE_BODY_BYTES)
+        tasks = [asyncio.create_task(pool.solve({}, large)) for _ in range(3)]
+        await asyncio.sleep(0.1)
+        begun = time.monotonic()
+        await pid_of(pool)
+        assert time.monotonic() - begun < 0.3
+        await asyncio.gather(*tasks)
+
+    with_pool(scenario)
+
+
+def test_memory_beyond_the_limit_is_an_error_inside_the_worker_only() -> None:
+    async def scenario(pool: Pool) -> None:
+        assert (await pool.solve({}, order("grow", bytes=64 * MIB))).header["refused"] is False
+        assert (await pool.solve({}, order("grow", bytes=8192 * MIB))).header["refused"] is True
+
+    with_pool(scenario, worker_memory_bytes=256 * MIB)
+
+
+def test_a_worker_that_has_grown_is_replaced_after_its_answer() -> None:
+    async def scenario(pool: Pool) -> None:
+        before = await pid_of(pool)
+        grown = await pool.solve({}, order("grow", bytes=128 * MIB))
+        assert grown.header["pid"] == before
+        assert await pid_of(pool) != before
+
+    with_pool(scenario, workers=1, worker_recycle_bytes=96 * MIB)
+
+
+def test_requests_wait_while_a_nursery_that_cannot_load_is_tried_again() -> None:
+    async def scenario(pool: Pool) -> None:
+        assert not pool.ready
+        with pytest.raises(DeadlineExceeded):
+            await pool.solve({}, order("echo"))
+
+    with_pool(scenario, handler="tests.service.no_such_module", deadline_seconds=1.5)
+
+
+def test_nothing_outlives_a_web_process_that_is_killed() -> None:
+    program = (
+        "import asyncio, os\n"
+        "from service.pool import Pool\n"
+        "from service.settings import Settings\n"
+        "async def main():\n"
+        "    pool = Pool(Settings(), 'tests.service.handlers')\n"
+        "    async with pool.running():\n"
+        "        reply = await pool.solve({}, b'{\"do\": \"echo\"}')\n"
+        "        print(reply.header['pid'], flush=True)\n"
+        "        await pool.solve({}, b'{\"do\": \"spin\", \"seconds\": 60}')\n"
+        "asyncio.run(main())\n"
+    )
+    root = Path(__file__).resolve().parents[2]
+    with subprocess.Popen([sys.executable, "-c", program], cwd=root, stdout=subprocess.PIPE) as web:
+        assert web.stdout is not None
+        worker = int(web.stdout.readline())
+        assert alive(worker)
+        web.kill()
+    eventually(lambda: not alive(worker))

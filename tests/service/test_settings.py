@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from service.settings import InvalidSetting, Settings, variable
+
+
+def test_an_empty_environment_gives_the_defaults() -> None:
+    assert Settings.from_environment({}) == Settings()
+
+
+def test_every_field_is_read_from_its_variable() -> None:
+    given = {
+        "MAT_WORKERS": "3",
+        "MAT_MAX_BODY_BYTES": " 2048 ",
+        "MAT_DEADLINE_SECONDS": "1.5",
+        "MAT_QUEUE_LIMIT": "0",
+        "MAT_WORKER_MEMORY_BYTES": "100000000",
+        "MAT_WORKER_RECYCLE_BYTES": "200000000",
+        "MAT_KEEP_FAILED_DIR": "/tmp/failed",
+    }
+    assert set(given) == {variable(item.name) for item in fields(Settings)}
+    assert Settings.from_environment(given) == Settings(
+        3, 2048, 1.5, 0, 100_000_000, 200_000_000, Path("/tmp/failed")
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("MAT_WORKERS", "0"),
+        ("MAT_WORKERS", "two"),
+        ("MAT_WORKERS", ""),
+        ("MAT_QUEUE_LIMIT", "-1"),
+        ("MAT_DEADLINE_SECONDS", "nan"),
+        ("MAT_DEADLINE_SECONDS", "inf"),
+        ("MAT_MAX_BODY_BYTES", "1e6"),
+    ],
+)
+def test_a_bad_value_is_named_together_with_what_is_expected(name: str, value: str) -> None:
+    with pytest.raises(InvalidSetting, match=f"{name} is .*; expected a"):
+        Settings.from_environment({name: value})
+
+
+def test_a_port_variable_set_by_a_cluster_is_not_a_setting() -> None:
+    assert Settings.from_environment({"MAT_PORT": "tcp://10.0.0.1:8000"}) == Settings()
