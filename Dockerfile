@@ -21,6 +21,7 @@ RUN python -m compileall -q mat_core service venv/lib
 FROM python:3.13-slim
 # Kernels are read from /run/mat/kernels, a place that may be written: the root file system need not be.
 ENV NUMBA_CPU_NAME=generic \
+    COMPILED_KERNELS=/opt/mat/kernels \
     NUMBA_CACHE_DIR=/run/mat/kernels \
     PATH=/opt/mat/venv/bin:$PATH \
     PYTHONUNBUFFERED=1

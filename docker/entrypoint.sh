@@ -3,7 +3,5 @@
 # then becomes the command.
 set -eu
 mkdir -p "$NUMBA_CACHE_DIR"
-if [ -d /opt/mat/kernels ]; then
-    cp -R /opt/mat/kernels/. "$NUMBA_CACHE_DIR"
-fi
+cp -R "$COMPILED_KERNELS/." "$NUMBA_CACHE_DIR"
 exec "$@"

@@ -21,17 +21,20 @@ class Tolerances:
         The same, for discs whose contacts interleave: they cannot both be maximal, so more is forgiven.
     tie : float
         Relative difference of curvatures below which one more site touches a branch disc.
+    same_node : float
+        Branch discs joined by a strip are one node if centre and radius agree this well.
     """
 
     rounding: float = 4.5e-16
     same_disc: float = 1e-12
     same_crossed: float = 1e-8
     tie: float = 1e-11
+    same_node: float = 1e-11
 
 
 LADDER = (
     Tolerances(),
-    Tolerances(same_disc=1e-10, same_crossed=1e-7, tie=1e-9),
-    Tolerances(same_disc=1e-14, same_crossed=1e-9, tie=1e-13),
-    Tolerances(same_disc=1e-8, same_crossed=1e-6, tie=1e-7),
+    Tolerances(same_disc=1e-10, same_crossed=1e-7, tie=1e-9, same_node=1e-9),
+    Tolerances(same_disc=1e-14, same_crossed=1e-9, tie=1e-13, same_node=1e-13),
+    Tolerances(same_disc=1e-8, same_crossed=1e-6, tie=1e-7, same_node=1e-8),
 )

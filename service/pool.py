@@ -206,7 +206,7 @@ class Pool:
         process = None
         try:
             process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-m", "service.nursery", self._handler),
+                *(sys.executable, "-P", "-m", "service.nursery", self._handler),
                 *(str(its_control.fileno()), str(event_write), str(self._settings.worker_memory_bytes)),
                 stdin=asyncio.subprocess.DEVNULL,
                 pass_fds=(its_control.fileno(), event_write),

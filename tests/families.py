@@ -1,7 +1,7 @@
 """Shapes with what is known of their axes, as JSON domains of the contract.
 
 A builder returns {"name", "outer", "holes", "truth"}: `truth` may hold the number of "leaves" and "cycles" and, in
-"mat", chains of exact discs [x, y, r]. `CATALOGUE` names one or more of each family; the seeded families go on for ever.
+"mat", chains of exact discs [x, y, r]. `CATALOGUE` names one or more of each family.
 """
 
 from __future__ import annotations
@@ -217,7 +217,7 @@ def circle(edges: int = 1) -> Json:
 
 
 def ellipse(a: float = 2.0, b: float = 1.0, edges: int = 1, turn: float = 0.0) -> Json:
-    """The axis is the major axis between the centres of curvature x = +-(a - b^2 / a); r = b sqrt(1 - x^2 / (a^2 - b^2))."""
+    """Axis: y = 0, |x| <= a - b^2 / a, r = b sqrt(1 - x^2 / (a^2 - b^2)): between two centres of curvature."""
     c, s = math.cos(turn), math.sin(turn)
     reach = a - b * b / a
     mat = [[x * c, x * s, b * math.sqrt(1 - x * x / (a * a - b * b))] for x in np.linspace(-reach, reach, 17)]

@@ -64,7 +64,7 @@ def blossom(control: Floats, knots: Floats, degree: int, span: int, arguments: F
             lo, hi = knots[i], knots[i + degree - level + 1]
             w = (a - lo) / (hi - lo)
             d[j] = (1 - w) * d[j - 1] + w * d[j]
-    return d[degree]
+    return np.asarray(d[degree])
 
 
 def bezier_spans(control: Floats, knots: Floats, degree: int) -> list[tuple[float, float, Floats]]:
@@ -208,7 +208,7 @@ class CurveSet:
         # one row per bracket: a sign change - to + of (C - p).C', or a cell end from which the distance grows inward
         g = np.einsum("ijk,ijk->ij", self.grid[cell] - p[:, None], self.grid_d[cell])
         row, j = np.nonzero((g[:, :-1] < 0) & (g[:, 1:] >= 0))
-        step = 1.0 / (GRID - 1)
+        step = np.float64(1.0 / (GRID - 1))
         s = self._refine(cell[row], p[row], j * step, (j + 1) * step)
         at0, at1 = np.nonzero(g[:, 0] >= 0)[0], np.nonzero(g[:, -1] <= 0)[0]
         rows = np.concatenate([row, at0, at1])

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.errors import Problem
+from mat_core.model.loop import BoundaryArrays
 
 HIGHEST_DEGREE = 25
 CONTROL_POINT_LIMIT = 2_000_000
@@ -28,22 +29,6 @@ NUMBERS = frozenset({float, int})
 PAIRS = frozenset({list, tuple})
 
 Edge = dict[str, Any]
-
-
-class BoundaryArrays(NamedTuple):
-    """The boundary in flat arrays: the input's own coordinates and orientation.
-
-    E edges, N control points, M knots, L loops; edge e has control points cp[cp_start[e] : cp_start[e + 1]] and knots
-    knots[knot_start[e] : knot_start[e + 1]]; loop l has the edges loop_start[l] .. loop_start[l + 1] - 1.
-    """
-
-    degree: NDArray[np.int64]  # (E,)
-    cp_start: NDArray[np.int64]  # (E + 1,)
-    cp: NDArray[np.float64]  # (N, 3) x, y, weight: the Euclidean point, not multiplied by its weight
-    knot_start: NDArray[np.int64]  # (E + 1,)
-    knots: NDArray[np.float64]  # (M,)
-    loop_start: NDArray[np.int64]  # (L + 1,); loop 0 is outer, loop i is holes[i - 1]
-    reversed: NDArray[np.bool_]  # (L,) True: interior on the right as given, so the loop is to be run backwards
 
 
 @dataclass(slots=True)
@@ -425,7 +410,7 @@ OPTION_RULES = {
         _between(SMALLEST_TOLERANCE, LARGEST_TOLERANCE), f"a number from {SMALLEST_TOLERANCE} to {LARGEST_TOLERANCE}"
     ),
     "step": OptionRule(_between(5e-324, 1e300), "a positive number (a length in your unit) or null"),
-    "method": OptionRule(lambda value: value in ("discs", "march"), '"discs" or "march"'),
+    "method": OptionRule(lambda value: isinstance(value, str) and value in ("discs", "march"), '"discs" or "march"'),
     "check_step": OptionRule(
         lambda value: isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= 10**6,
         "a positive integer or null",

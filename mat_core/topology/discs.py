@@ -253,7 +253,7 @@ def _before(angle_a, key_a, s_a, angle_b, key_b, s_b):
 
 
 @jit
-def interleaved(site, s, angle, group, member_next, first, a, b, cut):
+def interleaved(site, s, angle, member_next, first, a, b, cut):
     """Whether the contacts of groups a and b alternate around their common centre.
 
     Groups are linked lists (`first`, `member_next`) of contacts; `cut` is an angle at which no contact lies near.
@@ -305,6 +305,42 @@ def group_contacts(owner, alive, parent, first, member_next, last):
 
 
 @jit
+def _merge(parent, first, member_next, last, da, db):
+    """Unite two discs and their lists of contacts."""
+    unite(parent, da, db)
+    root = find(parent, da)
+    other = db if root == da else da
+    member_next[last[root]] = first[other]
+    last[root] = last[other]
+
+
+@jit
+def unite_interleaved(disc, kind, site, s, angle, by_x, parent, first, member_next, last, tolerance):
+    """Unite nearly equal discs whose contacts interleave (two pairs of opposite contacts of one 4-way disc, say).
+
+    `by_x`: discs by the x of their centres.
+    """
+    n = by_x.shape[0]
+    for position in range(n):
+        a = by_x[position]
+        if kind[a] == VERTEX_LEAF or kind[a] == CURVATURE_LEAF:
+            continue
+        for later in range(position + 1, n):
+            b = by_x[later]
+            if disc[b, 0] - disc[a, 0] > tolerance:
+                break
+            if kind[b] == VERTEX_LEAF or kind[b] == CURVATURE_LEAF or not same_disc(disc, a, b, tolerance):
+                continue
+            da = find(parent, a)
+            db = find(parent, b)
+            if da == db:
+                continue
+            cut = angle[first[da]] - 3.0 * ANGLE_NEAR
+            if interleaved(site, s, angle, member_next, first, da, db, cut):
+                _merge(parent, first, member_next, last, da, db)
+
+
+@jit
 def unite_crossed(si, disc, site, s, owner, angle, order, alive, parent, first, member_next, last, tolerance, tight):
     """Unite discs whose contacts interleave; of two contacts that became one the second dies. Returns how many were united.
 
@@ -329,13 +365,9 @@ def unite_crossed(si, disc, site, s, owner, angle, order, alive, parent, first, 
         if not same_disc(disc, da, db, tolerance):
             continue
         cut = 0.5 * (angle[a] + angle[b]) + math.pi
-        if not same_disc(disc, da, db, tight) and not interleaved(site, s, angle, da, member_next, first, da, db, cut):
+        if not same_disc(disc, da, db, tight) and not interleaved(site, s, angle, member_next, first, da, db, cut):
             continue
-        unite(parent, da, db)
-        root = find(parent, da)
-        other = db if root == da else da
-        member_next[last[root]] = first[other]
-        last[root] = last[other]
+        _merge(parent, first, member_next, last, da, db)
         # a joint stays, a winner next to it goes
         alive[a if s[b] == 0.0 else b] = False
         united += 1

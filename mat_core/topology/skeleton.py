@@ -22,6 +22,7 @@ from mat_core.tolerances import Tolerances
 from mat_core.topology.branches import solve_faces
 from mat_core.topology.discs import (
     OK, all_joint_discs, connect_loops, contact_angle, find, group_contacts, unite_at_joints, unite_crossed,
+    unite_interleaved,
 )
 from mat_core.topology.faces import cut_arcs, link_arcs, list_faces
 
@@ -108,6 +109,10 @@ def _find_discs(t: SiteTable, tolerances: Tolerances) -> tuple[NDArray[np.float6
     first = np.empty(n + n_extra, dtype=np.int64)
     last = np.empty(n + n_extra, dtype=np.int64)
     member_next = np.empty(len(site), dtype=np.int64)
+    full_kind = np.concatenate((kind, np.full(n_extra, THROUGH)))
+    group_contacts(owner, alive, parent, first, member_next, last)
+    unite_interleaved(disc, full_kind, site, s, angle, np.argsort(disc[: n + n_extra, 0], kind="stable"), parent, first,
+                      member_next, last, tolerances.same_crossed)
     while True:
         group_contacts(owner, alive, parent, first, member_next, last)
         united = unite_crossed(t.si, disc, site, s, owner, angle, order, alive, parent, first, member_next, last,
@@ -118,7 +123,6 @@ def _find_discs(t: SiteTable, tolerances: Tolerances) -> tuple[NDArray[np.float6
     _roots(parent, owner)
     owner = owner[order]
     roots, owner = np.unique(owner, return_inverse=True)
-    full_kind = np.concatenate((kind, np.full(n_extra, THROUGH)))
     _roots(parent, parent)
     group_kind = np.zeros(n + n_extra, dtype=np.int64)
     np.maximum.at(group_kind, parent, full_kind)

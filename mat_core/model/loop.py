@@ -1,0 +1,144 @@
+"""The closed loops of a boundary: flat arrays, and their outline in gentle pieces in normalised coordinates."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mat_core.kernels import outline as kernel
+from mat_core.kernels.intersect import find_hits
+from mat_core.model.curve import RationalBSpline
+
+TOUCH = 1e-12  # of the size: what is nearer counts as touching; a thousand times the rounding of normalised coordinates
+TOUCH_ULPS = 2.0  # of the largest coordinate: nor can the input itself tell such points apart
+CUSP_BRANCHES = 10.0  # branches of y**2 = x**3 are a gap apart at x = gap**(2/3); a path of ten such x covers flatter ones
+HIT_LIMIT = 256  # pairs of pieces reported; a scribble has millions
+SUBDIVISIONS = 5_000_000  # of one whole check, some seconds; a tight but clean domain of 10,000 edges needs a few thousand
+
+
+class BoundaryArrays(NamedTuple):
+    """The boundary in flat arrays: the input's own coordinates and orientation.
+
+    E edges, N control points, M knots, L loops; edge e has control points cp[cp_start[e] : cp_start[e + 1]] and knots
+    knots[knot_start[e] : knot_start[e + 1]]; loop l has the edges loop_start[l] .. loop_start[l + 1] - 1.
+    """
+
+    degree: NDArray[np.int64]  # (E,)
+    cp_start: NDArray[np.int64]  # (E + 1,)
+    cp: NDArray[np.float64]  # (N, 3) x, y, weight: the Euclidean point, not multiplied by its weight
+    knot_start: NDArray[np.int64]  # (E + 1,)
+    knots: NDArray[np.float64]  # (M,)
+    loop_start: NDArray[np.int64]  # (L + 1,); loop 0 is outer, loop i is holes[i - 1]
+    reversed: NDArray[np.bool_]  # (L,) True: interior on the right as given, so the loop is to be run backwards
+
+    def edge(self, e: int) -> RationalBSpline:
+        """Edge e of the flat numbering as a curve; its arrays are copies."""
+        cp = self.cp[self.cp_start[e] : self.cp_start[e + 1]]
+        knots = self.knots[self.knot_start[e] : self.knot_start[e + 1]].copy()
+        return RationalBSpline(int(self.degree[e]), knots, cp[:, :2].copy(), cp[:, 2].copy())
+
+    def loop(self, index: int) -> tuple[RationalBSpline, ...]:
+        """The edges of a loop as curves, in the input's order."""
+        return tuple(self.edge(e) for e in range(self.loop_start[index], self.loop_start[index + 1]))
+
+
+class Frame(NamedTuple):
+    """Normalised coordinates: (input - origin) * scale, the size in [0.5, 1]; the scale is a power of two.
+
+    `gap`: the normalised distance below which two walls count as touching.
+    """
+
+    origin: tuple[float, float]
+    scale: float
+    size: float
+    gap: float
+
+    def to_input(self, x: float, y: float) -> tuple[float, float]:
+        """A normalised point in the caller's coordinates."""
+        return self.origin[0] + x / self.scale, self.origin[1] + y / self.scale
+
+
+class Outline(NamedTuple):
+    """The loops in use as gentle pieces (see `mat_core.kernels.outline` for the columns of `pi` and `pf`)."""
+
+    frame: Frame
+    pi: NDArray[np.int64]  # (n, 4)
+    pf: NDArray[np.float64]  # (n, 8)
+    cp: NDArray[np.float64]  # (m, 3) normalised control points x, y, weight
+    piece_start: NDArray[np.int64]  # (L + 1,); a loop not in use has no pieces
+    measures: NDArray[np.float64]  # (L, 6) area, length, xmin, ymin, xmax, ymax, normalised
+    work: NDArray[np.float64]  # scratch of the kernels
+    stack: NDArray[np.float64]
+
+    def hits(self) -> NDArray[np.float64]:
+        """Where pieces meet that may not: rows piece, t, piece, t, kind (`mat_core.kernels.intersect`)."""
+        n = len(self.pi)
+        leaves = 1 << max(0, n - 1).bit_length()
+        hits = np.empty((HIT_LIMIT, 5))
+        gap = self.frame.gap
+        cusp_path = CUSP_BRANCHES * gap ** (2.0 / 3.0)
+        found = find_hits(
+            self.pi, self.pf, self.cp, self.piece_start, n, gap, cusp_path, np.empty((2 * leaves, 4)),
+            np.empty((256, 2), dtype=np.int64), self.work, self.stack, SUBDIVISIONS, hits,
+        )  # fmt: skip
+        return hits[:found]
+
+    def nesting(self) -> NDArray[np.int64]:
+        """For each loop: is it inside the outer loop, is it around it, and which hole is around it (-1 none)."""
+        nest = np.full((len(self.measures), 3), -1, dtype=np.int64)
+        kernel.find_nesting(self.pi, self.pf, self.cp, self.piece_start, self.measures, self.work, nest)
+        return nest
+
+    def extent(self, loop: int) -> tuple[float, float, float, float]:
+        """Tight normalised bounds of a loop's curve: xmin, ymin, xmax, ymax."""
+        first, last = int(self.piece_start[loop]), int(self.piece_start[loop + 1])
+        x0, y0, x1, y1 = (
+            sign * kernel.farthest(self.pi, self.pf, self.cp, first, last, axis, sign, self.work)
+            for sign in (-1.0, 1.0)
+            for axis in (0, 1)
+        )
+        return x0, y0, x1, y1
+
+
+def frame_of(cp: NDArray[np.float64], largest: float) -> Frame:
+    """The frame of a set of control points (N, 2 or more); `largest` is the biggest coordinate in magnitude."""
+    low = cp[:, :2].min(axis=0)
+    high = cp[:, :2].max(axis=0)
+    size = float((high - low).max())
+    centre = low + 0.5 * (high - low)
+    scale = math.ldexp(1.0, -math.frexp(size)[1]) if size > 0.0 else 1.0
+    gap = max(TOUCH, TOUCH_ULPS * math.ulp(largest) * scale)
+    return Frame((float(centre[0]), float(centre[1])), scale, size, gap)
+
+
+def outline_of(arrays: BoundaryArrays, use_loop: NDArray[np.int64], frame: Frame) -> Outline:
+    """Cut the loops marked in `use_loop` (L,) into gentle pieces. Assumes sound edges."""
+    cp = arrays.cp.copy()
+    cp[:, 0] = (cp[:, 0] - frame.origin[0]) * frame.scale
+    cp[:, 1] = (cp[:, 1] - frame.origin[1]) * frame.scale
+    spans = np.diff(arrays.cp_start) - arrays.degree
+    total = int(spans.sum()) + 8
+    rows = int((spans * (arrays.degree + 1)).max(initial=0)) + kernel.BLOCK
+    work = np.empty((max(rows, (kernel.DEEPEST + 2) * kernel.BLOCK), 3))
+    breaks = np.empty(int(spans.max(initial=0)) + 2)
+    stack = np.empty((256, 4))
+    piece_start = np.empty(len(arrays.loop_start), dtype=np.int64)
+    highest = int(arrays.degree.max(initial=1)) + 1
+    factor = 2
+    while True:
+        pi = np.empty((factor * total, 4), dtype=np.int64)
+        pf = np.empty((factor * total, 8))
+        pcp = np.empty((factor * total * highest, 3))
+        n = kernel.cut_gently(
+            use_loop, arrays.loop_start, arrays.degree, arrays.cp_start, cp, arrays.knot_start, arrays.knots,
+            pi, pf, pcp, piece_start, work, breaks, stack,
+        )  # fmt: skip
+        if n >= 0:
+            break
+        factor *= 4
+    measures = np.empty((len(piece_start) - 1, 6))
+    kernel.measure(pi, pf, pcp, piece_start, stack, measures)
+    return Outline(frame, pi[:n], pf[:n], pcp, piece_start, measures, work, stack)

@@ -1,0 +1,45 @@
+"""Schemathesis against the running service: every operation of the OpenAPI document, with good and bad requests."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx2
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.service.domains import valid_domains
+
+RELAXED = settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, *HealthCheck]
+)
+
+
+@pytest.fixture(scope="session")
+def described(live: httpx2.Client) -> Any:
+    """The document as served. A domain may fit its schema and break a rule of geometry: then 422 is right."""
+    configuration = schemathesis.Config.from_dict(
+        {"checks": {"positive_data_acceptance": {"expected-statuses": ["2xx", "422"]}}}
+    )
+    return schemathesis.openapi.from_url(f"{live.base_url}/openapi.json", config=configuration)
+
+
+every_operation = schemathesis.pytest.from_fixture("described")
+
+
+@every_operation.parametrize()
+@RELAXED
+def test_every_operation_keeps_the_document(case: schemathesis.Case) -> None:
+    case.call_and_validate()
+
+
+@given(data=st.data())
+@RELAXED
+def test_truly_valid_domains_are_answered_as_documented(described: Any, data: st.DataObject) -> None:
+    case = data.draw(described["/v1/mat"]["POST"].as_strategy())
+    case.body = data.draw(valid_domains())
+    case.query = {}
+    case.headers = {"Content-Type": "application/json"}
+    assert case.call_and_validate().status_code == 200
