@@ -55,13 +55,13 @@ def create_app(settings: Settings | None = None, handler: str = "service.solve")
     app.include_router(docs.router)
     app.mount("/static", docs.files, name="static")
     openapi.install(app)
-    _log_lines()
+    _log_lines(settings.log_level)
     return app
 
 
-def _log_lines() -> None:
+def _log_lines(level: str) -> None:
     """Send the service's log to standard error, one line an entry, unless the host has set up logging itself."""
     log = logging.getLogger("service")
     if not log.hasHandlers():
         log.addHandler(logging.StreamHandler())
-        log.setLevel(logging.INFO)
+        log.setLevel(level.upper())

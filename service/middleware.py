@@ -16,6 +16,9 @@ _log = logging.getLogger("service.access")
 _SAFE_ID = re.compile(r"[A-Za-z0-9._:/+=@-]{1,128}")
 """An id from outside goes into headers and logs, so only harmless ones are taken over."""
 
+HEALTH = ("/healthz", "/readyz")
+"""Asked every few seconds by machines; the answer is no news for people."""
+
 
 class RequestContext:
     """ASGI middleware: ``request.state.request_id``, the header X-Request-ID, and a JSON line for each answer."""
@@ -57,4 +60,4 @@ class RequestContext:
                 "bytes_in": state.get("bytes_in", 0),
                 "bytes_out": sent,
             }
-            _log.info(json.dumps(line))
+            _log.log(logging.DEBUG if scope["path"] in HEALTH else logging.INFO, json.dumps(line))

@@ -99,7 +99,9 @@ class Pool:
     about : dict
         What the handler said about itself once loaded (versions); empty until then.
     progress : tuple of (str, int, int)
-        The last step of loading: its name, how many are done, how many there are.
+        The last step of loading: its name, how many are done, how many there are (0: not known yet).
+    load_failed : bool
+        True while the last attempt to load the handler has failed; the next one is under way or due.
     """
 
     def __init__(self, settings: Settings, handler: str = "service.solve") -> None:
@@ -107,6 +109,7 @@ class Pool:
         self._handler = handler
         self.about: dict[str, Any] = {}
         self.progress: tuple[str, int, int] = ("starting", 0, 0)
+        self.load_failed = False
         self._control: socket.socket | None = None
         self._workers: dict[int, _Worker] = {}
         self._idle: asyncio.Queue[_Worker] = asyncio.Queue()
@@ -188,7 +191,9 @@ class Pool:
         pause, longest = RESTART_SECONDS
         while True:
             started = time.monotonic()
+            self.about = {}
             await self._nursery_life()
+            self.load_failed = not self.about
             if time.monotonic() - started > longest:
                 pause = RESTART_SECONDS[0]
             _log.error("the nursery of the workers ended; starting it again in %.1f s", pause)
@@ -233,6 +238,7 @@ class Pool:
             self.progress = (event["name"], event["done"], event["total"])
         elif event["event"] == "ready":
             self.about = event["about"]
+            self.load_failed = False
             for _ in range(self._settings.workers):
                 await self._spawn()
         elif event["event"] == "gone" and event["worker"] in self._workers:

@@ -30,13 +30,15 @@ class Answer(BaseModel):
 class Edge(Request):
     """A clamped rational B-spline; its knots are non-decreasing and len(knots) = len(control_points) + degree + 1."""
 
-    degree: Annotated[int, Field(ge=1, description="1: straight line; an arc of a circle is a rational quadratic")]
+    degree: Annotated[
+        int, Field(ge=1, le=25, description="1: straight line; an arc of a circle is a rational quadratic")
+    ]
     control_points: Annotated[list[Point], Field(min_length=2)]
-    knots: Annotated[list[FiniteFloat], Field(description="may be left out for a Bezier curve")] = []
+    knots: Annotated[list[FiniteFloat] | None, Field(description="may be left out for a Bezier curve")] = None
     weights: Annotated[
-        list[Annotated[float, Field(gt=0, allow_inf_nan=False)]],
+        list[Annotated[float, Field(gt=0, allow_inf_nan=False)]] | None,
         Field(description="one for each control point, all positive; may be left out when all are 1"),
-    ] = []
+    ] = None
 
 
 Loop = Annotated[
@@ -47,12 +49,14 @@ Loop = Annotated[
 class Options(Request):
     """How to solve, and what to answer; lengths are fractions of the larger side of the bounding box."""
 
-    tolerance: Annotated[float, Field(gt=0, lt=1, description="largest error of a fitted curve")] = 1e-6
-    step: Annotated[float, Field(gt=0, lt=1, description="largest spacing of sample points")] | None = None
+    tolerance: Annotated[float, Field(ge=1e-12, le=0.1, description="largest error of a fitted curve")] = 1e-6
+    step: Annotated[float, Field(gt=0, description="largest spacing of sample points")] | None = None
     method: Annotated[Literal["discs", "march"], Field(description="march: the published procedure")] = "discs"
-    check_step: Annotated[float, Field(gt=0, lt=1, description="march: spacing of branch checks")] | None = None
+    check_step: Annotated[int, Field(ge=1, le=10**6, description="march: steps between checks for a branch")] | None = (
+        None
+    )
     smooth_angle: Annotated[
-        float, Field(ge=0, lt=1.5, description="radians; a corner turning by less is taken as smooth")
+        float, Field(ge=0, le=1, description="radians; a corner turning by less is taken as smooth")
     ] = 1e-6
     samples: Annotated[bool, Field(description="answer sample points with their footpoints, too")] = False
 
@@ -63,9 +67,9 @@ class DomainRequest(Request):
     model_config = ConfigDict(strict=True, extra="forbid", title="Domain")
 
     outer: Loop
-    holes: Annotated[list[Loop], Field(description="disjoint loops inside the outer one")] = []
-    options: Options = Options()
-    name: Annotated[str, Field(description="free text, ignored")] | None = None
+    holes: Annotated[list[Loop] | None, Field(description="disjoint loops inside the outer one")] = None
+    options: Options | None = None
+    name: Annotated[str | None, Field(description="free text, ignored")] = None
 
 
 class Footpoint(Answer):

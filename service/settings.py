@@ -41,6 +41,13 @@ def _seconds(low: float, high: float) -> Callable[[str], float]:
     return read
 
 
+def _level(text: str) -> str:
+    """debug, info, warning or error"""
+    if text.lower() not in ("debug", "info", "warning", "error"):
+        raise ValueError
+    return text.lower()
+
+
 def _folder(text: str) -> Path | None:
     """A folder, or nothing at all"""
     return Path(text) if text else None
@@ -64,6 +71,8 @@ class Settings:
         Address space a worker may claim beyond what it starts with; a larger demand is answered 422 too-complex.
     worker_recycle_bytes : int
         A worker whose resident size is above this after an answer is replaced, so that one big domain leaves no trace.
+    log_level : str
+        What is logged: debug (health checks, too), info (a line a request), warning or error.
     keep_failed_dir : Path or None
         Where the request bodies of not-certified answers are kept, named by content hash; empty: they are not kept.
     """
@@ -74,6 +83,7 @@ class Settings:
     queue_limit: int = field(default=64, metadata={"read": _integer(0, 100_000)})
     worker_memory_bytes: int = field(default=1024 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
     worker_recycle_bytes: int = field(default=512 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
+    log_level: str = field(default="info", metadata={"read": _level})
     keep_failed_dir: Path | None = field(default=None, metadata={"read": _folder})
 
     @classmethod

@@ -485,9 +485,9 @@ def wedge_edges(corners: Sequence[Point], kinds: Sequence[str], shapes: Sequence
             edges.append(bezier([a, *inner, b]))
         else:
             bulge = 0.35 * f if abs(f) > 1e-3 else 0.1
-            while not in_wedge(arc_between(a, b, bulge)["control_points"][1], a, b):
+            while abs(bulge) > 1e-3 and not in_wedge(arc_between(a, b, bulge)["control_points"][1], a, b):
                 bulge *= 0.5
-            edges.append(arc_between(a, b, bulge))
+            edges.append(arc_between(a, b, bulge) if abs(bulge) > 1e-3 else line(a, b))
     return edges
 
 

@@ -19,6 +19,7 @@ LARGEST = 2.0  # no disc of a domain of size one is larger
 LEVEL = 1e-8  # relative change of curvature below which an arc is circular
 EMPTY = 1e-10  # a disc this much too large still counts as empty
 DOUBT = 1e-7  # up to here nobody can say
+ROUGH = 1e-3  # the disc at the highest point of the grid is this far from empty: so is the sharpened one
 
 
 class Leaves(NamedTuple):
@@ -61,8 +62,18 @@ def candidates(reference: Reference) -> list[tuple[int, float, bool]]:
     for cells, s in smooth_chains(reference):
         point, normal, k = reference.at(cells, s)
         k = np.nan_to_num(k, nan=0.0)
-        for a, b in level_runs(k):
-            if k[a] < 1 / LARGEST or (a > 0 and k[a - 1] > k[a]) or (b < len(k) - 1 and k[b + 1] > k[b]):
+        runs = level_runs(k)
+        peaks = [
+            (a, b)
+            for a, b in runs
+            if k[a] >= 1 / LARGEST and (a == 0 or k[a - 1] <= k[a]) and (b == len(k) - 1 or k[b + 1] <= k[b])
+        ]
+        if not peaks:
+            continue
+        tops = np.array([(a + b) // 2 for a, b in peaks])
+        short = 1 / k[tops] - reference.boundary.contacts(point[tops] + normal[tops] / k[tops, None])[0]
+        for (a, b), much in zip(peaks, short, strict=True):
+            if much > ROUGH:
                 continue
             m = (a + b) // 2
             flat = b - a >= 8

@@ -137,7 +137,7 @@ class CurveSet:
     def _sag(self) -> Floats:
         """Largest distance of a control point from the chord of its cell, (cells,)."""
         p = self._project(self.control)
-        return np.max(np.linalg.norm(p - _closest_on_chords(p, p[:, :1], p[:, -1:]), axis=2), axis=1)
+        return np.asarray(np.max(np.linalg.norm(p - _closest_on_chords(p, p[:, :1], p[:, -1:]), axis=2), axis=1))
 
     def _halve(self, cell_length: float) -> bool:
         """Halve the cells that are too long or too bent; False when there were none."""
@@ -257,7 +257,7 @@ def _closest_on_chords(p: Floats, a: Floats, b: Floats) -> Floats:
     ab = b - a
     length_sq = np.sum(ab * ab, axis=-1, keepdims=True)
     f = np.sum((p - a) * ab, axis=-1, keepdims=True) / np.where(length_sq > 0, length_sq, 1.0)
-    return a + np.clip(f, 0.0, 1.0) * ab
+    return np.asarray(a + np.clip(f, 0.0, 1.0) * ab)
 
 
 class Discs(NamedTuple):
@@ -339,7 +339,7 @@ class Reference:
         twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
         areas = np.array([twice[loop == i].sum() for i in range(len(self.loops))])
         wanted = np.where(np.arange(len(self.loops)) == 0, 1.0, -1.0)
-        return np.asarray(np.sign(areas) * wanted)[loop]
+        return np.asarray(np.asarray(np.sign(areas) * wanted)[loop])
 
     @cached_property
     def ends(self) -> tuple[Floats, Floats]:
@@ -426,4 +426,4 @@ def _first_direction(p: Floats) -> Floats:
     lengths = np.linalg.norm(legs, axis=2)
     first = np.argmax(lengths > 1e-14, axis=1)
     rows = np.arange(len(p))
-    return legs[rows, first] / np.maximum(lengths[rows, first], 1e-300)[:, None]
+    return np.asarray(legs[rows, first] / np.maximum(lengths[rows, first], 1e-300)[:, None])

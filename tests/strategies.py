@@ -45,8 +45,8 @@ def plain(shaped: Json) -> Json:
 @st.composite
 def star_shaped(draw: st.DrawFn, kinds: str = "laqc", most_holes: int = 3) -> Json:
     """Lines, arcs, quadratics and cubics round the origin, with round and square holes in the middle."""
-    n = draw(st.integers(3, 12))
-    at = draw(st.lists(fractions(0.25, 0.75), min_size=n, max_size=n))
+    n = draw(st.integers(4, 12))
+    at = draw(st.lists(fractions(0.35, 0.65), min_size=n, max_size=n))
     radii = draw(st.lists(fractions(0.7, 1.3), min_size=n, max_size=n))
     corners = [polar(r, 2 * math.pi * (i + f) / n) for i, (r, f) in enumerate(zip(radii, at, strict=True))]
     chosen = draw(st.lists(st.sampled_from(kinds), min_size=n, max_size=n))

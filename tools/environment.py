@@ -33,7 +33,7 @@ def main():
     if read(stamp) == wanted:
         return
     say("installing what " + os.path.basename(lock) + " lists (once; about a minute)")
-    install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--require-hashes", "-r", lock]
+    install = ["-m", "pip", "install", "-qq", "--disable-pip-version-check", "--require-hashes", "-r", lock]
     if run([PYTHON, *install]) != 0:
         stop("The packages could not be installed; see the lines above. Is there a way to the package index?")
     with open(stamp, "w") as file:

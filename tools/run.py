@@ -91,7 +91,8 @@ def start(port: int) -> subprocess.Popen[bytes]:
     serve = [sys.executable, "-m", "uvicorn", "--factory", "service.app:create_app"]
     where = ["--host", HOST, "--port", str(port)]
     quiet = ["--log-level", "warning", "--no-access-log"]
-    return subprocess.Popen([*serve, *where, *quiet], cwd=ROOT, start_new_session=True)
+    environment = {"MAT_LOG_LEVEL": "warning", **os.environ}
+    return subprocess.Popen([*serve, *where, *quiet], cwd=ROOT, env=environment, start_new_session=True)
 
 
 def stop(server: subprocess.Popen[bytes]) -> None:
@@ -115,7 +116,9 @@ def wait_until_ready(server: subprocess.Popen[bytes], base: str) -> None:
         if status == 200:
             print(f"Ready after {time.monotonic() - begun:.1f} s.")
             return
-        line = content.get("detail", "Starting.")
+        if content.get("failed"):
+            raise Failure("The workers could not be loaded; see above.")
+        line = content.get("detail", "Starting the service.")
         if line != shown:
             print(line)
             shown = line

@@ -247,7 +247,10 @@ def measure(pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, stack: Floats,
 
 @jit
 def farthest(pi: Ints, pf: Floats, pcp: Floats, first: int, last: int, axis: int, sign: float, work: Floats) -> float:
-    """Largest `sign` * coordinate `axis` on pieces first .. last - 1: halve what reaches beyond the best point so far."""
+    """Largest `sign` * coordinate `axis` on pieces first .. last - 1: halve what reaches beyond the best point so far.
+
+    Stops within NOTHING of the best: below it control points exceed the curve by rounding alone, on every half.
+    """
     best = -math.inf
     for i in range(first, last):
         best = max(best, sign * pcp[pi[i, CP0], axis])
@@ -265,7 +268,7 @@ def farthest(pi: Ints, pf: Floats, pcp: Floats, first: int, last: int, axis: int
             reach = -math.inf
             for k in range(p + 1):
                 reach = max(reach, sign * work[c + k, axis])
-            if reach <= best + 1e-17 or depth >= DEEPEST:
+            if reach <= best + NOTHING or depth >= DEEPEST:
                 depth -= 1
                 continue
             halve(work, c, p, c + BLOCK, c)

@@ -121,17 +121,17 @@ def outline_of(arrays: BoundaryArrays, use_loop: NDArray[np.int64], frame: Frame
     cp[:, 1] = (cp[:, 1] - frame.origin[1]) * frame.scale
     spans = np.diff(arrays.cp_start) - arrays.degree
     total = int(spans.sum()) + 8
-    rows = int((spans * (arrays.degree + 1)).max(initial=0)) + kernel.BLOCK
-    work = np.empty((max(rows, (kernel.DEEPEST + 2) * kernel.BLOCK), 3))
+    rows = spans * (arrays.degree + 1)
+    work = np.empty((max(int(rows.max(initial=0)) + kernel.BLOCK, (kernel.DEEPEST + 2) * kernel.BLOCK), 3))
     breaks = np.empty(int(spans.max(initial=0)) + 2)
     stack = np.empty((256, 4))
     piece_start = np.empty(len(arrays.loop_start), dtype=np.int64)
-    highest = int(arrays.degree.max(initial=1)) + 1
-    factor = 2
+    total_rows = int(rows.sum()) + 8 * kernel.BLOCK
+    factor = 2  # most curves need one or two pieces a span; the loop below copes with the others
     while True:
         pi = np.empty((factor * total, 4), dtype=np.int64)
         pf = np.empty((factor * total, 8))
-        pcp = np.empty((factor * total * highest, 3))
+        pcp = np.empty((factor * total_rows, 3))
         n = kernel.cut_gently(
             use_loop, arrays.loop_start, arrays.degree, arrays.cp_start, cp, arrays.knot_start, arrays.knots,
             pi, pf, pcp, piece_start, work, breaks, stack,

@@ -21,18 +21,30 @@ from mat_core.kernels.boxtree import box_distance_sq
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.disc import touch_from
 from mat_core.kernels.jit import jit
-from mat_core.kernels.layout import FAN, KIND, LEN, SPIRAL, SWEEP, XMAX, XMIN, YMAX, YMIN
+from mat_core.kernels.layout import FAN, KIND, LEN, NEXT, PREV, SWEEP, XMAX, XMIN, YMAX, YMIN
 from mat_core.topology.discs import NO_PARTNER, OK, TOO_SMALL
 
 ROOT_STEPS = 120
+YIELD = 4.0  # ties
 PARALLEL = 1e-7  # determinant of three contact directions below which a disc is not polished
 
 
 @jit
-def _difference(si, sf, cp, site, s, w_i, w_f, left, right):
+def _touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie):
+    """`touch_from` against one arc of the face. The end of a piece at a reflex vertex yields to the vertex's own fan."""
+    j = w_i[arc, 0]
+    phi, sj = touch_from(si, sf, cp, site, s, j, w_f[arc, 0], w_f[arc, 1])
+    if si[j, KIND] != FAN and phi > 0.0:
+        if (sj <= 0.0 and si[si[j, PREV], KIND] == FAN) or (sj >= 1.0 and si[si[j, NEXT], KIND] == FAN):
+            phi *= 1.0 - YIELD * tie
+    return phi, sj
+
+
+@jit
+def _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie):
     """(phi_left - phi_right) scaled to [-1, 1], and both contacts."""
-    a, sa = touch_from(si, sf, cp, site, s, w_i[left, 0], w_f[left, 0], w_f[left, 1])
-    b, sb = touch_from(si, sf, cp, site, s, w_i[right, 0], w_f[right, 0], w_f[right, 1])
+    a, sa = _touch_arc(si, sf, cp, site, s, w_i, w_f, left, tie)
+    b, sb = _touch_arc(si, sf, cp, site, s, w_i, w_f, right, tie)
     total = abs(a) + abs(b)
     f = 0.0
     if a == -math.inf:
@@ -45,7 +57,7 @@ def _difference(si, sf, cp, site, s, w_i, w_f, left, right):
 
 
 @jit
-def _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right):
+def _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie):
     """(s, phi, s_left, s_right) where the partner changes from `left` (wins at lo) to `right` (wins at hi)."""
     a = lo
     b = hi
@@ -54,7 +66,7 @@ def _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right):
     s = 0.5 * (a + b)
     side = 0
     for step in range(ROOT_STEPS):
-        f, phi, sl, sr = _difference(si, sf, cp, site, s, w_i, w_f, left, right)
+        f, phi, sl, sr = _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie)
         if f > 0.0:
             a = s
             fa = f
@@ -79,12 +91,12 @@ def _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right):
         if not a < new < b:
             break
         s = new
-    f, phi, sl, sr = _difference(si, sf, cp, site, s, w_i, w_f, left, right)
+    f, phi, sl, sr = _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie)
     return s, phi, sl, sr
 
 
 @jit
-def _best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi):
+def _best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi, tie):
     """The partner among arcs low .. high (both ends left out) with a phi above `phi`: (phi, arc), arc -1 if there is none."""
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
     best = phi
@@ -97,7 +109,7 @@ def _best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi):
         limit = r + 1e-15
         if box_distance_sq(px - r * ty, py + r * tx, sf[j, XMIN], sf[j, YMIN], sf[j, XMAX], sf[j, YMAX]) >= limit * limit:
             continue
-        value, sj = touch_from(si, sf, cp, site, s, j, w_f[arc, 0], w_f[arc, 1])
+        value, sj = _touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie)
         if value > best:
             best = value
             best_arc = arc
@@ -186,10 +198,10 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
         right = bracket_i[top, 1]
         lo = bracket_f[top, 0]
         hi = bracket_f[top, 1]
-        s, phi, sl, sr = _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right)
+        s, phi, sl, sr = _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie)
         if not phi > 0.0:
             return NO_PARTNER, nodes
-        better, arc = _best_between(si, sf, cp, site, s, w_i, w_f, right, left, phi)
+        better, arc = _best_between(si, sf, cp, site, s, w_i, w_f, right, left, phi, tie)
         if arc >= 0 and better > phi * (1.0 + tie):
             # the far half waits below, the near half is done first
             if top + 2 >= bracket_i.shape[0]:
@@ -233,7 +245,7 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
             limit = r * (1.0 + 2.0 * tie) + 1e-15
             if box_distance_sq(disc[d, 0], disc[d, 1], sf[j, XMIN], sf[j, YMIN], sf[j, XMAX], sf[j, YMAX]) > limit * limit:
                 continue
-            value, sj = touch_from(si, sf, cp, site, s, j, w_f[between, 0], w_f[between, 1])
+            value, sj = _touch_arc(si, sf, cp, site, s, w_i, w_f, between, tie)
             if value >= phi * (1.0 - tie) and w_f[between, 0] < sj < w_f[between, 1]:
                 contacts_i[n_contacts] = between
                 contacts_s[n_contacts] = sj

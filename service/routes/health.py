@@ -25,9 +25,18 @@ async def readyz(request: Request) -> Status:
     if pool.full:
         raise RequestError("queue-full", "As many requests wait as may wait.")
     if not pool.ready:
-        name, done, total = pool.progress
-        raise RequestError("not-ready", f"Loading the kernels: {done} of {total} ({name}).")
+        raise RequestError("not-ready", _loading(pool), {"failed": pool.load_failed})
     return Status(status="ready")
+
+
+def _loading(pool: Pool) -> str:
+    """How far the workers have come."""
+    name, done, total = pool.progress
+    if pool.load_failed:
+        return "The workers could not be loaded, the log says why; it is tried again."
+    if total == 0:
+        return "Loading the library."
+    return f"Loading the kernels: {done} of {total} ({name})."
 
 
 @router.get("/version")

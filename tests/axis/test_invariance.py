@@ -72,7 +72,8 @@ def parsed(domain: Json, answer: Json, origin: Any, size: float) -> Answer:
 def moved_discs(answer: Json, place: Callable[[Any], Any], scale: float) -> Json:
     """The answer with all its points moved as the domain was."""
     nodes = [
-        {**n, "point": place(np.array(n["point"])).tolist(), "radius": scale * n["radius"]} for n in answer["graph"]["nodes"]
+        {**n, "point": place(np.array(n["point"])).tolist(), "radius": scale * n["radius"]}
+        for n in answer["graph"]["nodes"]
     ]
     segments = [
         {

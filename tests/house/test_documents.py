@@ -64,8 +64,11 @@ def test_the_docstring_of_the_error_table_is_the_table() -> None:
 def test_the_settings_table_is_the_settings() -> None:
     told = {row[0].strip("`"): row[1] for row in rows(README, "variable")}
     assert told.pop("MAT_KEEP_FAILED_DIR") == "(none)"
-    defaults = {variable(item.name): f"{item.default:g}" if isinstance(item.default, float) else str(item.default)
-                for item in fields(Settings) if item.name != "keep_failed_dir"}
+    defaults = {
+        variable(item.name): f"{item.default:g}" if isinstance(item.default, float) else str(item.default)
+        for item in fields(Settings)
+        if item.name != "keep_failed_dir"
+    }
     assert told == defaults
 
 
@@ -104,8 +107,12 @@ def test_modules_and_packages_named_by_the_architecture_exist() -> None:
 
 
 def test_the_glossary_has_one_row_a_word_and_the_words_of_the_answers() -> None:
-    words = [row[0] for header in ("word",) for part in (ROOT / "GLOSSARY.md").read_text(encoding="utf-8").split("## ")[1:]
-             for row in rows(part, header)]
+    words = [
+        row[0]
+        for header in ("word",)
+        for part in (ROOT / "GLOSSARY.md").read_text(encoding="utf-8").split("## ")[1:]
+        for row in rows(part, header)
+    ]
     assert len(words) == len(set(words))
     members = {"domain", "loop", "edge", "u", "degree", "knots", "control_points", "weights"}
     assert members | {"node", "segment", "t", "radius", "footpoint", "certificate"} <= set(words)

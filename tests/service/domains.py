@@ -14,8 +14,8 @@ Json = Any
 def valid_domains(draw: st.DrawFn) -> dict[str, Json]:
     """A loop that is star-shaped about the origin, with or without a round hole, in either orientation.
 
-    The control points of the whole loop stand at increasing angles around the origin. An edge stays in the convex hull of
-    its control points, hence in its own sector (edges span less than a half turn), so no two edges meet but at their ends.
+    The control points of the whole loop stand at increasing angles around the origin. An edge stays in the convex hull
+    of its control points, hence in its own sector (edges span less than a half turn): edges meet at their ends only.
     """
     degrees = draw(st.lists(st.integers(1, 3), min_size=4, max_size=9).filter(lambda all_: sum(all_) >= 9))
     count = sum(degrees)
@@ -75,6 +75,8 @@ names = st.sampled_from(
     ["outer", "holes", "options", "degree", "control_points", "knots", "weights", "tolerance", "method", "step", "x"]
 )
 anything = st.recursive(scalars, lambda inner: st.lists(inner, max_size=4) | st.dictionaries(names, inner, max_size=4))
+
+
 @st.composite
 def damaged_domains(draw: st.DrawFn) -> Json:
     """A valid domain in which one value, anywhere, was replaced by something else or taken away."""

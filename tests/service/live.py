@@ -32,7 +32,9 @@ def serving(
     """A client of a service that is ready, and whose process must end with code 0 when asked to."""
     port = free_port()
     where = ("--host", "127.0.0.1", "--port", str(port))
-    process = subprocess.Popen(command + where, cwd=ROOT, env={**os.environ, **(environment or {})})
+    process = subprocess.Popen(
+        command + where, cwd=ROOT, env={**os.environ, "MAT_LOG_LEVEL": "warning", **(environment or {})}
+    )
     try:
         with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=90) as client:
             wait_until_ready(client, process)

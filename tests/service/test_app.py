@@ -1,4 +1,4 @@
-"""The web side of the service, with workers that do as they are told: every error of the table, and the frame of answers."""
+"""The web side of the service, with workers that do as they are told: every error, and the frame of every answer."""
 
 from __future__ import annotations
 
@@ -69,7 +69,13 @@ def test_what_is_not_there_is_a_problem(client: TestClient, path: str) -> None:
 
 @pytest.mark.parametrize(
     ("method", "path"),
-    [("GET", "/v1/mat"), ("DELETE", "/v1/mat"), ("POST", "/healthz"), ("PUT", "/docs"), ("POST", "/static/favicon.png")],
+    [
+        ("GET", "/v1/mat"),
+        ("DELETE", "/v1/mat"),
+        ("POST", "/healthz"),
+        ("PUT", "/docs"),
+        ("POST", "/static/favicon.png"),
+    ],
 )
 def test_the_wrong_method_is_a_problem_that_names_the_right_ones(client: TestClient, method: str, path: str) -> None:
     response = client.request(method, path)
@@ -203,7 +209,8 @@ def test_a_service_that_is_still_loading_lives_but_is_not_ready() -> None:
     with TestClient(create_app(settings, "tests.service.no_such_module")) as client:
         assert client.get("/healthz").status_code == 200
         assert client.get("/version").json()["algorithm"] == "unknown"
-        problem(client.get("/readyz"), "not-ready")
+        document = problem(client.get("/readyz"), "not-ready")
+        assert document["failed"] or document["detail"] == "Loading the library."
         problem(client.post("/v1/mat", content=order("echo"), headers=JSON), "deadline-exceeded")
 
 

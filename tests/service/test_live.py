@@ -194,15 +194,21 @@ def test_any_json(live: httpx2.Client, body: Any) -> None:
     expected(post(live, body))
 
 
+def fits_the_model(body: Any) -> bool:
+    try:
+        DomainRequest.model_validate_json(json.dumps(body))
+    except ValidationError:
+        return False
+    return True
+
+
 @given(body=damaged_domains())
 @settings(RELAXED, max_examples=150)
 def test_any_damage_to_a_domain_is_refused_at_least_where_the_model_refuses(live: httpx2.Client, body: Any) -> None:
     response = post(live, body)
     expected(response)
-    try:
-        DomainRequest.model_validate_json(json.dumps(body))
-    except ValidationError as refusal:
-        assert response.status_code == 422, refusal
+    if not fits_the_model(body):
+        assert response.status_code == 422, response.text
 
 
 def test_the_service_stays_small_and_answers_while_it_solves() -> None:

@@ -214,9 +214,9 @@ def test_nothing_outlives_a_web_process_that_is_killed() -> None:
         "async def main():\n"
         "    pool = Pool(Settings(), 'tests.service.handlers')\n"
         "    async with pool.running():\n"
-        "        reply = await pool.solve({}, b'{\"do\": \"echo\"}')\n"
+        '        reply = await pool.solve({}, b\'{"do": "echo"}\')\n'
         "        print(reply.header['pid'], flush=True)\n"
-        "        await pool.solve({}, b'{\"do\": \"spin\", \"seconds\": 60}')\n"
+        '        await pool.solve({}, b\'{"do": "spin", "seconds": 60}\')\n'
         "asyncio.run(main())\n"
     )
     root = Path(__file__).resolve().parents[2]

@@ -20,11 +20,12 @@ def test_every_field_is_read_from_its_variable() -> None:
         "MAT_QUEUE_LIMIT": "0",
         "MAT_WORKER_MEMORY_BYTES": "100000000",
         "MAT_WORKER_RECYCLE_BYTES": "200000000",
+        "MAT_LOG_LEVEL": "Warning",
         "MAT_KEEP_FAILED_DIR": "/tmp/failed",
     }
     assert set(given) == {variable(item.name) for item in fields(Settings)}
     assert Settings.from_environment(given) == Settings(
-        3, 2048, 1.5, 0, 100_000_000, 200_000_000, Path("/tmp/failed")
+        3, 2048, 1.5, 0, 100_000_000, 200_000_000, "warning", Path("/tmp/failed")
     )
 
 
@@ -37,11 +38,12 @@ def test_every_field_is_read_from_its_variable() -> None:
         ("MAT_QUEUE_LIMIT", "-1"),
         ("MAT_DEADLINE_SECONDS", "nan"),
         ("MAT_DEADLINE_SECONDS", "inf"),
+        ("MAT_LOG_LEVEL", "loud"),
         ("MAT_MAX_BODY_BYTES", "1e6"),
     ],
 )
 def test_a_bad_value_is_named_together_with_what_is_expected(name: str, value: str) -> None:
-    with pytest.raises(InvalidSetting, match=f"{name} is .*; expected a"):
+    with pytest.raises(InvalidSetting, match=f"{name} is .*; expected "):
         Settings.from_environment({name: value})
 
 

@@ -1,0 +1,1 @@
+"""Benchmarks: per stage, size and tolerance."""

@@ -1,0 +1,250 @@
+"""From pieces to segments: each run of strips becomes one clamped B-spline in (x, y, r) over t in [0, 1].
+
+Pieces of a run meet with a common tangent. Knot spans are proportional to length; between two fitted pieces the second span is chosen so
+that the derivatives agree, too: there the knot is one simpler (C1), the common control point is left out. Everywhere else inner knots have
+multiplicity `degree`. Conics keep weights 1 at their ends, so the homogeneous curve is continuous.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mat_core.axis import CurveTable, MedialAxis
+from mat_core.boundary.sites import SiteTable
+from mat_core.curves.conics import K_FREEFORM
+from mat_core.curves.fit import (
+    P_DEGREE, P_ERROR, P_KIND, P_LENGTH, P_S0, P_S1, P_SIDE, P_STRIP, ROWS, STACK_ROWS, fit_strips,
+)
+from mat_core.kernels.jit import jit
+from mat_core.model.domain import Domain
+from mat_core.topology.graph import AxisGraph
+from mat_core.topology.skeleton import Skeleton
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+FINE_TOLERANCE = 1e-7  # at and above: quintic pieces, below: degree 7 (fewer pieces from about there on)
+ROUNDING = 2e-16  # a stated error is never less than the rounding of the coordinates it is measured with
+C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
+
+
+@jit
+def raise_degree(cp: Floats, row: int, degree: int, wanted: int, out: Floats, to: int, backwards: bool) -> None:
+    """Write a Bezier with `wanted` + 1 control points, reversed on request; rows are x, y, r, w (not multiplied)."""
+    for j in range(wanted + 1):
+        total = 1.0
+        for i in range(j):
+            total = total * (wanted - i) / (i + 1.0)
+        x = y = r = w = 0.0
+        for i in range(degree + 1):
+            # binomial(degree, i) binomial(wanted - degree, j - i) / binomial(wanted, j)
+            k = j - i
+            if k < 0 or k > wanted - degree:
+                continue
+            share = 1.0 / total
+            for m in range(i):
+                share = share * (degree - m) / (m + 1.0)
+            for m in range(k):
+                share = share * (wanted - degree - m) / (m + 1.0)
+            share *= cp[row + i, 3]
+            x += share * cp[row + i, 0]
+            y += share * cp[row + i, 1]
+            r += share * cp[row + i, 2]
+            w += share
+        place = to + (wanted - j if backwards else j)
+        out[place, 0] = x / w
+        out[place, 1] = y / w
+        out[place, 2] = r / w
+        out[place, 3] = w
+
+
+@jit
+def _smooth_span(cp: Floats, joint: int, span: float) -> tuple[float, float]:
+    """(span of the next piece that makes a joint C1, distance of the joint from its neighbours' line) at row `joint`."""
+    before = 0.0
+    after = 0.0
+    for m in range(3):
+        d = cp[joint, m] - cp[joint - 1, m]
+        before += d * d
+        d = cp[joint + 1, m] - cp[joint, m]
+        after += d * d
+    if not before > 0.0 or not after > 0.0:
+        return span, math.inf
+    ratio = math.sqrt(after / before)
+    defect = 0.0
+    for m in range(3):
+        d = (ratio * cp[joint - 1, m] + cp[joint + 1, m]) / (1.0 + ratio) - cp[joint, m]
+        defect += d * d
+    return span * ratio, math.sqrt(defect)
+
+
+@jit
+def assemble_runs(
+    run_start: Ints, run_strip: Ints, run_forward: Flags, first: Ints, piece_i: Ints, piece_f: Floats, piece_cp: Floats,
+    degree: Ints, kind: Ints, max_error: Floats, knot_start: Ints, knots: Floats, cp_start: Ints, cp: Floats,
+    part_start: Ints, part_i: Ints, part_f: Floats,
+) -> int:
+    """All segments; strip run_strip[n] has the pieces first[n] .. first[n + 1]. Returns the number of parts.
+
+    part_i (segment, strip, side, kind) and part_f (t0, t1, s0, s1) list the pieces in the order and direction of travel.
+    """
+    cp_start[0] = 0
+    knot_start[0] = 0
+    part_start[0] = 0
+    parts = 0
+    for g in range(degree.shape[0]):
+        # 1. degree, kind and stated error of the whole run
+        n = 1
+        error = 0.0
+        common = -1
+        for p in range(first[run_start[g]], first[run_start[g + 1]]):
+            n = max(n, piece_i[p, P_DEGREE])
+            error = max(error, piece_f[p, P_ERROR])
+            if common == -1:
+                common = piece_i[p, P_KIND]
+            elif common != piece_i[p, P_KIND]:
+                common = K_FREEFORM
+        degree[g] = n
+        kind[g] = common
+        # 2. control points and knots, spans not yet scaled
+        row = cp_start[g]
+        knot = knot_start[g]
+        for m in range(n + 1):
+            knots[knot + m] = 0.0
+        knot += n + 1
+        u = 0.0
+        span = 0.0
+        defects = 0.0
+        fitted_before = False
+        begin = parts
+        for step in range(run_start[g], run_start[g + 1]):
+            forward = run_forward[step]
+            for q in range(first[step], first[step + 1]):
+                p = q if forward else first[step] + first[step + 1] - 1 - q
+                fitted = piece_i[p, P_KIND] == K_FREEFORM and piece_i[p, P_DEGREE] == n
+                raise_degree(piece_cp, ROWS * p, piece_i[p, P_DEGREE], n, cp, row, not forward)
+                length = max(piece_f[p, P_LENGTH], 1e-15)
+                if parts > begin:
+                    smooth_span, defect = _smooth_span(cp, row, span)
+                    if fitted and fitted_before and defect <= C1_DEFECT:
+                        span = smooth_span
+                        defects += defect
+                        for m in range(row, row + n):
+                            for c in range(4):
+                                cp[m, c] = cp[m + 1, c]
+                        row -= 1
+                        knot -= 1
+                    else:
+                        span = length
+                else:
+                    span = length
+                part_i[parts, 0] = g
+                part_i[parts, 1] = piece_i[p, P_STRIP]
+                part_i[parts, 2] = piece_i[p, P_SIDE]
+                part_i[parts, 3] = piece_i[p, P_KIND]
+                part_f[parts, 0] = u
+                u += span
+                part_f[parts, 1] = u
+                part_f[parts, 2] = piece_f[p, P_S0] if forward else piece_f[p, P_S1]
+                part_f[parts, 3] = piece_f[p, P_S1] if forward else piece_f[p, P_S0]
+                parts += 1
+                row += n
+                for m in range(n):
+                    knots[knot + m] = u
+                knot += n
+                fitted_before = fitted
+        row += 1
+        knots[knot] = u
+        knot += 1
+        # 3. t from 0 to 1
+        for m in range(knot_start[g] + n + 1, knot - n - 1):
+            knots[m] /= u
+        for m in range(n + 1):
+            knots[knot - 1 - m] = 1.0
+        for m in range(begin, parts):
+            part_f[m, 0] /= u
+            part_f[m, 1] = part_f[m, 1] / u if m < parts - 1 else 1.0
+        max_error[g] = max(error + defects, ROUNDING)
+        cp_start[g + 1] = row
+        knot_start[g + 1] = knot
+        part_start[g + 1] = parts
+    return parts
+
+
+def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float) -> CurveTable:
+    """Fit and assemble the curves of all segments.
+
+    Parameters
+    ----------
+    table : SiteTable
+    skeleton : Skeleton
+    graph : AxisGraph
+        Its runs name the strips of every segment.
+    tolerance : float
+        Largest error of a fitted curve in (x, y, r), in normalised units.
+
+    Returns
+    -------
+    CurveTable
+        Normalised coordinates. Where a piece could not be brought below the tolerance (rounding), its stated error exceeds it.
+    """
+    wanted = graph.run_strip
+    n = len(wanted)
+    runs = len(graph.start_node)
+    degree = 5 if tolerance >= FINE_TOLERANCE * 0.5 else 7
+    room = 4 * n + 32
+    first = np.empty(n + 1, dtype=np.int64)
+    while True:
+        piece_i = np.empty((room, 4), dtype=np.int64)
+        piece_f = np.empty((room, 4))
+        piece_cp = np.empty((ROWS * room, 4))
+        count = fit_strips(
+            table.si, table.sf, table.cp, skeleton.disc, skeleton.strip_i, skeleton.strip_s, wanted, tolerance, degree,
+            np.empty((STACK_ROWS, 14)), np.empty((12, 6)), np.empty((4, 3)), np.empty((4, 3)), np.empty(8), np.empty(4),
+            np.empty(3), np.empty(3), piece_i, piece_f, piece_cp, first)
+        if count >= 0:
+            break
+        room *= 4
+    degrees = np.empty(runs, dtype=np.int64)
+    kinds = np.empty(runs, dtype=np.int64)
+    max_error = np.empty(runs)
+    knot_start = np.empty(runs + 1, dtype=np.int64)
+    knots = np.empty(degree * count + (degree + 2) * runs)
+    cp_start = np.empty(runs + 1, dtype=np.int64)
+    cp = np.empty((degree * count + runs, 4))
+    part_start = np.empty(runs + 1, dtype=np.int64)
+    part_i = np.empty((count, 4), dtype=np.int64)
+    part_f = np.empty((count, 4))
+    assemble_runs(graph.run_start, wanted, graph.run_forward, first, piece_i, piece_f, piece_cp, degrees, kinds, max_error,
+                  knot_start, knots, cp_start, cp, part_start, part_i, part_f)
+    return CurveTable(degrees, kinds, knot_start, knots[: knot_start[-1]], cp_start, cp[: cp_start[-1]], max_error, part_start,
+                      part_i, part_f)
+
+
+def build_axis(
+    domain: Domain, table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float, step: float | None
+) -> MedialAxis:
+    """The medial axis with its curves, still without a certificate.
+
+    Parameters
+    ----------
+    domain : Domain
+    table : SiteTable
+    skeleton : Skeleton
+        Contracted, as `graph` refers to it.
+    graph : AxisGraph
+    tolerance : float
+        Largest error of fitted curves, relative to the larger side of the bounding box.
+    step : float or None
+        Largest spacing of samples, relative to the larger side of the bounding box.
+
+    Returns
+    -------
+    MedialAxis
+    """
+    curves = build_curves(table, skeleton, graph, tolerance * domain.size * table.scale)
+    return MedialAxis(domain, table, skeleton, graph, curves, tolerance, step)

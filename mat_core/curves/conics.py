@@ -1,0 +1,171 @@
+"""The axis between two lines, circular arcs or points: one exact rational quadratic in (x, y, r).
+
+A disc X = (c, r) touches a side when it lies on the side's quadric in the space of discs. Write <u, v> = ux vx + uy vy - ur vr, take any
+point p of the side with its inward normal n and curvature k, and G = (c - p, r):
+
+    Q(X) = kappa <G, G> - 2 sigma <G, nu> = 0,    nu = (n, 1),    kappa : sigma = k : 1
+
+(line k = 0: the plane r = n.(c - p); point k = infinite: the cone |c - p| = r; both limits are met without a large number). Two such
+quadrics share their quadratic part, so the curve in both lies in a plane with normal
+
+    N = kappa1 kappa2 (p2 - p1, 0) - kappa2 sigma1 nu1 + kappa1 sigma2 nu2        (in the sense <e, N> = 0 for e in the plane)
+
+and is a conic. With its ends P0, P2, middle M and half chord d, the end tangents meet in V = M + e and the middle weight is w:
+
+    <e, d> = 0,    <e, N> = 0,    <e, B> = kappa <d, d>,    B = kappa (M - p) - sigma nu,    w^2 = <d, d> / (<d, d> + <e, e>)
+
+      V        e is of second order in d, so nothing cancels for short curves. The tangent in the plane turns by the mean of the
+     /|\       turning of both normals, which is known beforehand: curves that turn by more than MAX_TURN are split, and the tangents
+    / e \      are never parallel.
+   P0-M--P2    Farin, Curves and Surfaces for CAGD, chapter 12 (conics in standard form).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mat_core.kernels.jit import jit
+from mat_core.kernels.layout import ARC, FAN, K0, KIND, LINE, SPIRAL, SWEEP, TX0, TY0, X0, Y0
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+KINDS = ("line", "parabola", "hyperbola", "ellipse", "freeform")
+K_LINE, K_PARABOLA, K_HYPERBOLA, K_ELLIPSE, K_FREEFORM = range(5)
+
+MAX_TURN = 1.75  # radians (100 degrees) a single quadratic may turn by: keeps its weights above 0.6 for circles
+SAME_RADIUS = 1e-12  # two radii nearer than this, relative, give a straight bisector: its bulge would be as small
+FLAT_APEX = 1e-3  # least slope dQ/dr used to turn a residual into a length; only matters at the apex of a cone
+
+
+@jit
+def side_quadric(si: Ints, sf: Floats, i: int) -> tuple[float, float, float, float, float, float]:
+    """(px, py, nx, ny, kappa, sigma) of a LINE, ARC or FAN."""
+    px = sf[i, X0]
+    py = sf[i, Y0]
+    nx = -sf[i, TY0]
+    ny = sf[i, TX0]
+    kind = si[i, KIND]
+    if kind == LINE:
+        return px, py, nx, ny, 0.0, 1.0
+    if kind == FAN:
+        return px, py, nx, ny, 1.0, 0.0
+    k = sf[i, K0]
+    if abs(k) > 1.0:
+        return px, py, nx, ny, 1.0 if k > 0.0 else -1.0, 1.0 / abs(k)
+    return px, py, nx, ny, k, 1.0
+
+
+@jit
+def swing(si: Ints, sf: Floats, i: int) -> float:
+    """How far the normal turns along a whole LINE, ARC or FAN, left positive."""
+    if si[i, KIND] == LINE:
+        return 0.0
+    return float(sf[i, SWEEP])
+
+
+@jit
+def is_conic(si: Ints, a: int, b: int) -> bool:
+    """Whether the axis between two sites has a closed form."""
+    return bool(si[a, KIND] != SPIRAL and si[b, KIND] != SPIRAL)
+
+
+@jit
+def conic_kind(si: Ints, sf: Floats, a: int, b: int) -> int:
+    """What the centres run on, decided by the sides: focal radii have a constant sum (ellipse) or difference (hyperbola)."""
+    if si[a, KIND] == LINE and si[b, KIND] == LINE:
+        return K_LINE
+    if si[a, KIND] == LINE or si[b, KIND] == LINE:
+        return K_PARABOLA
+    ka = sf[a, K0] if si[a, KIND] == ARC else -math.inf
+    kb = sf[b, K0] if si[b, KIND] == ARC else -math.inf
+    if (ka > 0.0) != (kb > 0.0):
+        return K_ELLIPSE
+    ra = 1.0 / ka
+    rb = 1.0 / kb
+    if abs(ra - rb) <= SAME_RADIUS * max(1.0, abs(ra)):
+        return K_LINE
+    return K_HYPERBOLA
+
+
+@jit
+def _residual(
+    px: float, py: float, nx: float, ny: float, kappa: float, sigma: float, x: float, y: float, r: float
+) -> float:
+    """How far the disc (x, y, r) is from touching a side, by radius."""
+    gx = x - px
+    gy = y - py
+    q = kappa * (gx * gx + gy * gy - r * r) - 2.0 * sigma * (gx * nx + gy * ny - r)
+    return abs(q) / max(2.0 * abs(sigma - kappa * r), FLAT_APEX)
+
+
+@jit
+def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floats, row: int) -> float:
+    """Write the quadratic from disc p0 to disc p2 (x, y, r) to rows row .. row + 2 of `cp` (x, y, r, w); its measured error.
+
+    Assumes, does not check: not both sides are lines, and the curve turns by less than MAX_TURN.
+    """
+    px, py, nx, ny, kappa, sigma = side_quadric(si, sf, a)
+    qx, qy, ox, oy, lam, tau = side_quadric(si, sf, b)
+    mx = 0.5 * (p0[0] + p2[0])
+    my = 0.5 * (p0[1] + p2[1])
+    mr = 0.5 * (p0[2] + p2[2])
+    dx = 0.5 * (p2[0] - p0[0])
+    dy = 0.5 * (p2[1] - p0[1])
+    dr = 0.5 * (p2[2] - p0[2])
+    # e = f kappa <d, d> / <f, B> with f orthogonal to d and N; the vectors are written in the form for the Euclidean product
+    ux = kappa * lam * (qx - px) - lam * sigma * nx + kappa * tau * ox
+    uy = kappa * lam * (qy - py) - lam * sigma * ny + kappa * tau * oy
+    ur = lam * sigma - kappa * tau
+    fx = uy * -dr - ur * dy
+    fy = ur * dx - ux * -dr
+    fr = ux * dy - uy * dx
+    dd = dx * dx + dy * dy - dr * dr
+    ax = kappa * (mx - px) - sigma * nx
+    ay = kappa * (my - py) - sigma * ny
+    ar = sigma - kappa * mr
+    bx = lam * (mx - qx) - tau * ox
+    by = lam * (my - qy) - tau * oy
+    br = tau - lam * mr
+    fa = fx * ax + fy * ay + fr * ar
+    fb = fx * bx + fy * by + fr * br
+    scale_a = (ax * ax + ay * ay + ar * ar) * fb * fb
+    scale_b = (bx * bx + by * by + br * br) * fa * fa
+    factor = 0.0
+    if kappa != 0.0 and fa != 0.0 and (lam == 0.0 or scale_b >= scale_a):
+        factor = kappa * dd / fa
+    elif fb != 0.0:
+        factor = lam * dd / fb
+    ex = factor * fx
+    ey = factor * fy
+    er = factor * fr
+    ee = ex * ex + ey * ey - er * er
+    w = 1.0
+    if dd > 0.0 and dd + ee > 0.0:
+        w = math.sqrt(dd / (dd + ee))
+    else:
+        ex = ey = er = 0.0
+    for m in range(3):
+        cp[row, m] = p0[m]
+        cp[row + 2, m] = p2[m]
+    cp[row, 3] = 1.0
+    cp[row + 2, 3] = 1.0
+    cp[row + 1, 0] = mx + ex
+    cp[row + 1, 1] = my + ey
+    cp[row + 1, 2] = mr + er
+    cp[row + 1, 3] = w
+    error = 0.0
+    for m in range(1, 4):
+        t = 0.25 * m
+        u = (1.0 - t) * (1.0 - t)
+        v = 2.0 * t * (1.0 - t) * w
+        total = u + v + t * t
+        x = mx + (v * ex + (t * t - u) * dx) / total
+        y = my + (v * ey + (t * t - u) * dy) / total
+        r = mr + (v * er + (t * t - u) * dr) / total
+        error = max(error, _residual(px, py, nx, ny, kappa, sigma, x, y, r))
+        error = max(error, _residual(qx, qy, ox, oy, lam, tau, x, y, r))
+    return error

@@ -1,0 +1,1 @@
+"""Ways out: the answer document as JSON, the axis as a picture."""

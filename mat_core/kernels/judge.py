@@ -1,0 +1,297 @@
+"""Distances from a point to the boundary, for the certificate: how deep anything reaches into a disc, and the nearest foot.
+
+Nothing here relies on curvature being monotone, nor on the tree and the tangent-circle search that found the axis: a Bezier
+piece is shown to stay outside a disc of centre c and radius r by the signs of
+
+    h(s) = |q(s)|^2 - r^2 w(s)^2,    q = w (C - c)        (homogeneous, so polynomial for rational pieces as well)
+
+in Bernstein form. Coefficients without a negative one prove it; a convex row (second differences not negative) has one
+minimum, found by bracketed Newton; any other row is halved.
+"""
+
+from __future__ import annotations
+
+import math
+
+from mat_core.kernels.curve import bezier_frame, evaluate
+from mat_core.kernels.jit import jit
+from mat_core.kernels.layout import (
+    ARC, CP0, DEG, FAN, K0, KIND, LINE, RATIONAL, SWEEP, TX0, TX1, TY0, TY1, X0, X1, Y0, Y1,
+)
+
+JUDGE_STACK = 128  # depth of the walk through the tree of boxes
+HALVINGS = 40  # deepest subdivision of one piece; 2^-40 of it is far below every limit
+JUDGE_ROWS = HALVINGS + 6  # rows of the scratch table: three of points, then the stack
+_QX, _QY, _QW, _FIRST = 0, 1, 2, 3
+NOISE = 4e-15  # rounding of a coefficient of h, relative to the largest |q|^2
+NEWTON = 60  # steps of the bracketed Newton iterations; halving alone ends in as many
+SETTLED = 1e-8  # a Newton step below this squares to rounding
+
+
+@jit
+def fill_binomials(binomial):
+    """Pascal's triangle in a square table."""
+    for n in range(binomial.shape[0]):
+        binomial[n, 0] = 1.0
+        for k in range(1, n + 1):
+            binomial[n, k] = binomial[n - 1, k - 1] + (binomial[n - 1, k] if k < n else 0.0)
+
+
+@jit
+def fill_boxes(si, sf, cp, box):
+    """Boxes of all sites in rows n .. 2n-1 (loop order), of pairs of rows 2k, 2k+1 in row k; row 1 is the whole boundary.
+
+    A fan is left out: its point is an end of both neighbours.
+    """
+    n = si.shape[0]
+    for i in range(n):
+        xmin = ymin = math.inf
+        xmax = ymax = -math.inf
+        kind = si[i, KIND]
+        if kind == LINE:
+            xmin = min(sf[i, X0], sf[i, X1])
+            ymin = min(sf[i, Y0], sf[i, Y1])
+            xmax = max(sf[i, X0], sf[i, X1])
+            ymax = max(sf[i, Y0], sf[i, Y1])
+        elif kind != FAN:
+            for row in range(si[i, CP0], si[i, CP0] + si[i, DEG] + 1):
+                xmin = min(xmin, cp[row, 0])
+                ymin = min(ymin, cp[row, 1])
+                xmax = max(xmax, cp[row, 0])
+                ymax = max(ymax, cp[row, 1])
+        box[n + i, 0] = xmin
+        box[n + i, 1] = ymin
+        box[n + i, 2] = xmax
+        box[n + i, 3] = ymax
+    for k in range(n - 1, 0, -1):
+        box[k, 0] = min(box[2 * k, 0], box[2 * k + 1, 0])
+        box[k, 1] = min(box[2 * k, 1], box[2 * k + 1, 1])
+        box[k, 2] = max(box[2 * k, 2], box[2 * k + 1, 2])
+        box[k, 3] = max(box[2 * k, 3], box[2 * k + 1, 3])
+
+
+@jit
+def _bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
+    """(distance, s): a local minimum of |C(s) - c| on [lo, hi], by bracketed Newton on g = (C - c).C' from a guess."""
+    a = lo
+    b = hi
+    s = guess if lo < guess < hi else 0.5 * (lo + hi)
+    for _ in range(NEWTON):
+        dx, dy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, x, y)
+        g = dx * x1 + dy * y1
+        if g > 0.0:
+            b = s
+        else:
+            a = s
+        slope = x1 * x1 + y1 * y1 + dx * x2 + dy * y2
+        new = s - g / slope if slope > 0.0 else (lo if g > 0.0 else hi)
+        if a < new < b:
+            near = abs(new - s) <= SETTLED
+            s = new
+            if near:
+                break
+            continue
+        end = lo if new <= a else hi
+        if end == a or end == b:
+            # an end that nothing has excluded yet is tried itself before halving
+            dx, dy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, end, x, y)
+            g = dx * x1 + dy * y1
+            if (g >= 0.0) if end == lo else (g <= 0.0):
+                return math.sqrt(dx * dx + dy * dy), end
+        new = 0.5 * (a + b)
+        if abs(new - s) <= 2e-16:
+            break
+        s = new
+    dx, dy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, x, y)
+    return math.sqrt(dx * dx + dy * dy), s
+
+
+@jit
+def turn_fraction(px, py, qx, qy, sweep):
+    """Where direction q stands on a turn from direction p by `sweep`, as a fraction; ambiguity is cut opposite its middle."""
+    angle = math.atan2(px * qy - py * qx, px * qx + py * qy)
+    if angle < 0.5 * sweep - math.pi:
+        angle += 2.0 * math.pi
+    elif angle > 0.5 * sweep + math.pi:
+        angle -= 2.0 * math.pi
+    return angle / sweep
+
+
+@jit
+def foot(si, sf, cp, i, lo, hi, x, y, guess):
+    """(distance, s): the foot of c on [lo, hi] of site i; on a SPIRAL the local one that `guess` leads to."""
+    kind = si[i, KIND]
+    if kind == LINE:
+        lx = sf[i, X1] - sf[i, X0]
+        ly = sf[i, Y1] - sf[i, Y0]
+        s = ((x - sf[i, X0]) * lx + (y - sf[i, Y0]) * ly) / (lx * lx + ly * ly)
+    elif kind == ARC:
+        k = sf[i, K0]
+        vx = k * (x - sf[i, X0]) + sf[i, TY0]
+        vy = k * (y - sf[i, Y0]) - sf[i, TX0]
+        s = turn_fraction(sf[i, TY0], -sf[i, TX0], vx, vy, sf[i, SWEEP])
+    elif kind == FAN:
+        dx = x - sf[i, X0]
+        dy = y - sf[i, Y0]
+        s = turn_fraction(-sf[i, TY0], sf[i, TX0], dx, dy, sf[i, SWEEP])
+        s = lo if s < lo else (hi if s > hi else s)
+        return math.sqrt(dx * dx + dy * dy), s
+    else:
+        return _bezier_foot(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], lo, hi, x, y, guess)
+    s = lo if s < lo else (hi if s > hi else s)
+    dx, dy, tx, ty, curvature, speed = evaluate(si, sf, cp, i, s, x, y)
+    return math.sqrt(dx * dx + dy * dy), s
+
+
+@jit
+def _outside_bezier(cp, c0, deg, rational, x, y, r, work, binomial):
+    """min(0, smallest |C(s) - c| - r) over a whole Bezier piece."""
+    n = 2 * deg
+    scale = r * r
+    for i in range(deg + 1):
+        w = cp[c0 + i, 2] * binomial[deg, i]
+        dx = cp[c0 + i, 0] - x
+        dy = cp[c0 + i, 1] - y
+        size = dx * dx + dy * dy
+        if size > scale:
+            scale = size
+        work[_QX, i] = w * dx
+        work[_QY, i] = w * dy
+        work[_QW, i] = w * r
+    for k in range(n + 1):
+        work[_FIRST, k] = 0.0
+    for i in range(deg + 1):
+        qx = work[_QX, i]
+        qy = work[_QY, i]
+        qw = work[_QW, i]
+        work[_FIRST, 2 * i] += qx * qx + qy * qy - qw * qw
+        for j in range(i):
+            work[_FIRST, i + j] += 2.0 * (qx * work[_QX, j] + qy * work[_QY, j] - qw * work[_QW, j])
+    noise = -NOISE * scale
+    low = 0.0
+    for k in range(n + 1):
+        work[_FIRST, k] /= binomial[n, k]
+        if work[_FIRST, k] < low:
+            low = work[_FIRST, k]
+    if low >= noise:
+        return 0.0
+    return _least_gap(cp, c0, deg, rational, x, y, r, work, noise)
+
+
+@jit
+def _least_gap(cp, c0, deg, rational, x, y, r, work, noise):
+    """The slow part of `_outside_bezier`: rows of h are halved until each is decided; columns n + 1, n + 2 hold its interval."""
+    n = 2 * deg
+    gap = 0.0
+    top = _FIRST
+    work[top, n + 1] = 0.0
+    work[top, n + 2] = 1.0
+    while top >= _FIRST:
+        low = 0.0
+        bend = 0.0
+        for k in range(n + 1):
+            if work[top, k] < low:
+                low = work[top, k]
+            if 0 < k < n:
+                second = work[top, k - 1] - 2.0 * work[top, k] + work[top, k + 1]
+                if second < bend:
+                    bend = second
+        lo = work[top, n + 1]
+        width = work[top, n + 2]
+        if low >= noise:
+            top -= 1
+        elif bend >= noise or top == _FIRST + HALVINGS:
+            distance, s = _bezier_foot(cp, c0, deg, rational, lo, lo + width, x, y, lo + 0.5 * width)
+            if not distance - r >= gap:
+                gap = distance - r
+            top -= 1
+        else:
+            # de Casteljau in place: the left half goes on top, the right half stays
+            for k in range(n + 1):
+                work[top + 1, k] = work[top, 0]
+                for m in range(n - k):
+                    work[top, m] = 0.5 * (work[top, m] + work[top, m + 1])
+            work[top, n + 1] = lo + 0.5 * width
+            work[top, n + 2] = 0.5 * width
+            work[top + 1, n + 1] = lo
+            work[top + 1, n + 2] = 0.5 * width
+            top += 1
+    return gap
+
+
+@jit
+def _line_distance(sf, i, x, y):
+    """Distance of c from a LINE."""
+    lx = sf[i, X1] - sf[i, X0]
+    ly = sf[i, Y1] - sf[i, Y0]
+    dx = x - sf[i, X0]
+    dy = y - sf[i, Y0]
+    along = dx * lx + dy * ly
+    if along <= 0.0:
+        return math.sqrt(dx * dx + dy * dy)
+    length_sq = lx * lx + ly * ly
+    if along >= length_sq:
+        dx = x - sf[i, X1]
+        dy = y - sf[i, Y1]
+        return math.sqrt(dx * dx + dy * dy)
+    return abs(lx * dy - ly * dx) / math.sqrt(length_sq)
+
+
+@jit
+def _arc_distance(sf, i, x, y):
+    """Distance of c from an ARC of less than a half turn: from its circle inside its wedge, from an end elsewhere.
+
+    | |c - o| - rho | = | k |D|^2 - 2 n.D | / (1 + |k D - n|)  with D = c - start, which keeps its digits on flat arcs.
+    """
+    k = sf[i, K0]
+    dx = x - sf[i, X0]
+    dy = y - sf[i, Y0]
+    nx = -sf[i, TY0]
+    ny = sf[i, TX0]
+    vx = k * dx - nx
+    vy = k * dy - ny
+    side = 1.0 if k > 0.0 else -1.0
+    if side * (vx * sf[i, TX0] + vy * sf[i, TY0]) >= 0.0 and side * (vx * sf[i, TX1] + vy * sf[i, TY1]) <= 0.0:
+        return abs(k * (dx * dx + dy * dy) - 2.0 * (nx * dx + ny * dy)) / (1.0 + math.sqrt(vx * vx + vy * vy))
+    ex = x - sf[i, X1]
+    ey = y - sf[i, Y1]
+    return math.sqrt(min(dx * dx + dy * dy, ex * ex + ey * ey))
+
+
+@jit
+def reach_inside(si, sf, cp, box, stack, work, binomial, x, y, r):
+    """(gap, site): the deepest that the boundary reaches into the disc (c, r), as min(0, distance - r); site -1 if nowhere."""
+    n = si.shape[0]
+    worst = 0.0
+    site = -1
+    if not r > 0.0:
+        return worst, site
+    if not r < math.inf:
+        return -math.inf, 0
+    rr = r * r
+    stack[0] = 1
+    top = 0
+    while top >= 0:
+        k = stack[top]
+        top -= 1
+        dx = max(0.0, box[k, 0] - x, x - box[k, 2])
+        dy = max(0.0, box[k, 1] - y, y - box[k, 3])
+        if dx * dx + dy * dy >= rr:
+            continue
+        if k < n:
+            stack[top + 1] = 2 * k
+            stack[top + 2] = 2 * k + 1
+            top += 2
+            continue
+        i = k - n
+        kind = si[i, KIND]
+        if kind == LINE:
+            gap = _line_distance(sf, i, x, y) - r
+        elif kind == ARC:
+            gap = _arc_distance(sf, i, x, y) - r
+        else:
+            gap = _outside_bezier(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], x, y, r, work, binomial)
+        if gap < worst:
+            worst = gap
+            site = i
+    return worst, site
