@@ -61,6 +61,16 @@ class Report:
             self.problems.append(message)
 
 
+def piece_kinds(segment: Json) -> set[str]:
+    """The kinds of a segment's pieces: a segment of several exact kinds is freeform as a whole."""
+    return {p["kind"] for p in segment.get("pieces", [segment])}
+
+
+def is_exact(segment: Json) -> bool:
+    """True when all of the segment is made of lines, points and arcs on both sides."""
+    return piece_kinds(segment) <= set(EXACT_KINDS)
+
+
 class Answer:
     """The answer document in the reference's normalised frame."""
 
@@ -227,7 +237,7 @@ def check_discs(report: Report, answer: Answer, reference: Reference, tolerance:
     """Discs inside segments are empty and touch twice, or osculate, or shrink into a convex vertex."""
     owner, disc = answer.samples(each)
     center, radius = disc[:, :2], disc[:, 2]
-    exact = np.array([s["kind"] in EXACT_KINDS for s in answer.segments])[owner]
+    exact = np.array([is_exact(s) for s in answer.segments])[owner]
     stated = np.array([float(s["max_error"]) for s in answer.segments])[owner] / answer.size
     bound = EXACT + 10 * reference.floor
     error = np.where(exact, bound, tolerance + bound)
@@ -305,7 +315,7 @@ def check_coverage(
         off = answer.axis.nearest(true)[0]
     for node in answer.node_disc:
         off = np.minimum(off, np.linalg.norm(true - node, axis=1))
-    freeform = any(s["kind"] == "freeform" for s in answer.segments)
+    freeform = not all(is_exact(s) for s in answer.segments)
     limit = EXACT + 10 * reference.floor + (tolerance if freeform else 0.0)
     sharp = discs.blur < 1e-3
     report.note("axis missing", off[sharp], limit + 2 * discs.blur[sharp], true[sharp])
@@ -455,7 +465,7 @@ def assert_same_axis(a: Answer, b: Answer, accuracy: float, tolerance: float = 1
         if one.segments:
             assert other.segments
             gaps = other.axis.nearest(one.samples(5)[1])[0]
-            freeform = any(s["kind"] == "freeform" for s in [*one.segments, *other.segments])
+            freeform = not all(is_exact(s) for s in [*one.segments, *other.segments])
             limit = accuracy + (2 * tolerance if freeform else 0.0)
             assert gaps.max() <= limit, f"a point of the axis is {gaps.max():.2e} off"
     assert sum(d == 1 for d in a.degree.values()) == sum(d == 1 for d in b.degree.values()), "other leaves"

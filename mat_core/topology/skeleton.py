@@ -17,7 +17,7 @@ from mat_core.errors import NotCertified
 from mat_core.kernels.boxtree import STACK, build_tree, tree_rows
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import jit
-from mat_core.kernels.layout import ARC_CONTACT, CURVATURE_LEAF, LOOP, THROUGH, VERTEX_LEAF
+from mat_core.kernels.layout import ARC_CONTACT, LOOP, THROUGH, X0, Y0
 from mat_core.tolerances import Tolerances
 from mat_core.topology.branches import solve_faces
 from mat_core.topology.discs import (
@@ -54,6 +54,27 @@ def _angles(si, sf, cp, disc, owner, site, s, angle):
     """Direction of every contact from the centre of its disc."""
     for c in range(site.shape[0]):
         angle[c] = contact_angle(si, sf, cp, disc, owner[c], site[c], s[c])
+
+
+@jit
+def _best_members(si, sf, cp, kind, winner, winner_s, parent, chord, best):
+    """best[root]: the member of each union whose disc is known best.
+
+    A disc through two contacts is determined as well as they are apart; one of a whole arc is the arc's own circle.
+    """
+    for d in range(parent.shape[0]):
+        best[d] = d
+        chord[d] = 0.0
+        if d < kind.shape[0]:
+            if kind[d] == ARC_CONTACT:
+                chord[d] = 4.0
+            elif kind[d] == THROUGH:
+                px, py, tx, ty, k, speed = evaluate(si, sf, cp, winner[d], winner_s[d], sf[d, X0], sf[d, Y0])
+                chord[d] = px * px + py * py
+    for d in range(parent.shape[0]):
+        root = find(parent, d)
+        if chord[d] > chord[best[root]]:
+            best[root] = d
 
 
 @jit
@@ -126,7 +147,9 @@ def _find_discs(t: SiteTable, tolerances: Tolerances) -> tuple[NDArray[np.float6
     _roots(parent, parent)
     group_kind = np.zeros(n + n_extra, dtype=np.int64)
     np.maximum.at(group_kind, parent, full_kind)
-    return disc[roots], group_kind[roots], site[order], s[order], owner
+    best = np.empty(n + n_extra, dtype=np.int64)
+    _best_members(t.si, t.sf, t.cp, kind, winner, winner_s, parent, np.empty(n + n_extra), best)
+    return disc[best[roots]], group_kind[roots], site[order], s[order], owner
 
 
 def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from mat_core import Domain, medial_axis
 from tests.assertions import assert_axis, node_counts
 from tests.families import CATALOGUE, polygon_random, smooth, star_shaped
 from tests.leaves import count_leaves
@@ -62,6 +63,15 @@ def test_random(family: str, seed: int, solve: Solve) -> None:
 def test_tolerance_is_kept(name: str, tolerance: float, solve: Solve) -> None:
     domain = CATALOGUE[name]()
     judge(domain, solve(domain, tolerance=tolerance), tolerance)
+
+
+@pytest.mark.parametrize("name", sorted(CATALOGUE))
+def test_samples_touch(name: str) -> None:
+    """Points and footpoints along every segment, where they are asked for."""
+    domain = CATALOGUE[name]()
+    answer = medial_axis(Domain.from_dict({"outer": domain["outer"], "holes": domain["holes"]})).to_dict(samples=True)
+    assert all(s["samples"]["points"] for s in answer["segments"])
+    assert_axis(domain, answer, per_segment=2, per_edge=1)
 
 
 @pytest.mark.parametrize("name", ["ell", "ellipse", "mixed_holes", "blob", "gear", "keyhole"])
