@@ -119,13 +119,13 @@ class Pool:
 
     @property
     def ready(self) -> bool:
-        """True when a request sent now would be worked on or queued, not refused or held up by loading."""
-        return bool(self._workers) and not self.full
+        """True when the workers are loaded."""
+        return bool(self._workers)
 
     @property
     def full(self) -> bool:
-        """True when no more requests may wait."""
-        return self._idle.empty() and self._waiting >= max(1, self._settings.queue_limit)
+        """True when a request sent now would be refused: no worker is idle, and no more requests may wait."""
+        return self._idle.empty() and self._waiting >= self._settings.queue_limit
 
     @contextlib.asynccontextmanager
     async def running(self) -> AsyncIterator[Pool]:
@@ -163,7 +163,7 @@ class Pool:
     @contextlib.asynccontextmanager
     async def _worker(self, body_size: int) -> AsyncIterator[_Worker]:
         """An idle worker; the caller returns it to the idle ones, unless the block fails, which costs it its life."""
-        if self._waiting >= self._settings.queue_limit and self._idle.empty():
+        if self.full:
             raise QueueFull
         self._waiting += 1
         waiting = True
@@ -241,11 +241,11 @@ class Pool:
             self.load_failed = False
             for _ in range(self._settings.workers):
                 await self._spawn()
-        elif event["event"] == "gone" and event["worker"] in self._workers:
-            _log.warning("worker %d ended by itself with exit code %d", event["worker"], event["exit_code"])
-            self._forget(self._workers[event["worker"]])
-            await self._spawn()
         elif event["event"] == "gone":
+            worker = self._workers.get(event["worker"])
+            if worker is not None:  # not one that was killed from here
+                _log.warning("worker %d ended by itself with exit code %d", worker.number, event["exit_code"])
+                self._forget(worker)
             await self._spawn()
 
     async def _spawn(self) -> None:

@@ -22,10 +22,10 @@ async def healthz() -> Status:
 async def readyz(request: Request) -> Status:
     """The workers are warm and the queue has room. A failure is a reason to send requests elsewhere for a while."""
     pool: Pool = request.app.state.pool
-    if pool.full:
-        raise RequestError("queue-full", "As many requests wait as may wait.")
     if not pool.ready:
         raise RequestError("not-ready", _loading(pool), {"failed": pool.load_failed})
+    if pool.full:
+        raise RequestError("queue-full", "As many requests wait as may wait.")
     return Status(status="ready")
 
 

@@ -24,16 +24,24 @@ async def solve(
 ) -> Response:
     """The certified medial axis transform of a planar domain bounded by rational B-splines."""
     settings: Settings = request.app.state.settings
+    pool: Pool = request.app.state.pool
     form = f or choose_format(request.headers.get("accept", "*/*"))
     check_content(request.headers)
+    if pool.full:
+        raise queue_full()  # before its body takes memory here
     body = await read_body(request, settings.max_body_bytes)
     keep = str(settings.keep_failed_dir) if settings.keep_failed_dir else None
-    reply = await _solve_unless_disconnected(request, request.app.state.pool, {"format": form, "keep": keep}, body)
+    reply = await _solve_unless_disconnected(request, pool, {"format": form, "keep": keep}, body)
     if "error" in reply.header:
         raise RequestError(**reply.header["error"])
     timings = {"queue": 1000 * reply.queue_seconds, **reply.header["timings"]}
     timing = ", ".join(f"{name};dur={value:.3f}" for name, value in timings.items())
     return Response(reply.body, headers={"Server-Timing": timing, "Vary": "Accept"}, media_type=FORMATS[form])
+
+
+def queue_full() -> RequestError:
+    """The refusal of a request that there is no room for."""
+    return RequestError("queue-full", "As many requests wait as may wait; this one was not started.")
 
 
 async def read_body(request: Request, limit: int) -> bytes:
@@ -61,7 +69,7 @@ async def _solve_unless_disconnected(request: Request, pool: Pool, header: dict[
             raise ClientDisconnect
         return await solving
     except QueueFull:
-        raise RequestError("queue-full", "As many requests wait as may wait; this one was not started.") from None
+        raise queue_full() from None
     except DeadlineExceeded:
         raise RequestError(
             "deadline-exceeded", "The time from arrival to answer ran out; the work was stopped. Try a smaller domain."
