@@ -12,8 +12,7 @@ ENV PATH=/opt/mat/venv/bin:$PATH
 COPY requirements.lock ./
 RUN pip install --no-cache-dir --disable-pip-version-check --require-hashes -r requirements.lock
 COPY mat_core/ mat_core/
-COPY tools/warm.py tools/warm.py
-RUN python tools/warm.py
+RUN python -W ignore::RuntimeWarning:runpy -m mat_core.warm
 COPY service/ service/
 COPY openapi/ openapi/
 RUN python -m compileall -q mat_core service venv/lib

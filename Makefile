@@ -18,7 +18,7 @@ dev:
 	@$(PYTHON) tools/environment.py requirements-dev.lock
 
 test: dev ## all tests, on all cores
-	@$(BIN)/python tools/warm.py
+	@$(BIN)/python -W ignore::RuntimeWarning:runpy -m mat_core.warm
 	@$(BIN)/python -m pytest -n auto --dist worksteal
 
 lint: dev ## style

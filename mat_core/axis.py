@@ -425,15 +425,15 @@ class MedialAxis:
         """
         c = self.curves
         k = self.skeleton
-        located = np.empty((len(t), 5))
-        sites = np.empty((len(t), 2), dtype=np.int64)
+        located = np.empty((5, len(t)))
+        sites = np.empty((2, len(t)), dtype=np.int64)
         locate(self.table.si, self.table.sf, self.table.cp, k.strip_i, k.strip_s, c.degree, c.knot_start, c.knots, c.cp_start, c.cp,
-               c.part_start, c.part_i, c.part_f, segment, t, self._work, located, sites)
-        right = self._feet(sites[:, 0], located[:, 3])
-        left = self._feet(sites[:, 1], located[:, 4])
-        discs = self._discs_to_input(located[:, :3])
-        return Samples(t, discs[:, :2], discs[:, 2], self.to_input(left[:, :2]), self.to_input(right[:, :2]), sites[:, 1],
-                       sites[:, 0], left[:, 2], right[:, 2], left[:, 3], right[:, 3])
+               c.max_error, c.part_start, c.part_i, c.part_f, segment, t, self._work, located, sites)
+        right = self._feet(sites[0], located[3])
+        left = self._feet(sites[1], located[4])
+        discs = self._discs_to_input(located[:3].T)
+        return Samples(t, discs[:, :2], discs[:, 2], self.to_input(left[:, :2]), self.to_input(right[:, :2]), sites[1],
+                       sites[0], left[:, 2], right[:, 2], left[:, 3], right[:, 3])
 
     def sample_parameters(self) -> tuple[Ints, Floats]:
         """(segment, t) of the standard samples: evenly in t, 17 on every segment or as many as `step` asks for."""

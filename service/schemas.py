@@ -50,13 +50,13 @@ class Options(Request):
     """How to solve, and what to answer; lengths are fractions of the larger side of the bounding box."""
 
     tolerance: Annotated[float, Field(ge=1e-12, le=0.1, description="largest error of a fitted curve")] = 1e-6
-    step: Annotated[float, Field(gt=0, description="largest spacing of sample points")] | None = None
+    step: Annotated[float, Field(ge=1e-6, description="largest spacing of sample points")] | None = None
     method: Annotated[Literal["discs", "march"], Field(description="march: the published procedure")] = "discs"
     check_step: Annotated[int, Field(ge=1, le=10**6, description="march: steps between checks for a branch")] | None = (
         None
     )
     smooth_angle: Annotated[
-        float, Field(ge=0, le=1, description="radians; a corner turning by less is taken as smooth")
+        float, Field(ge=0, le=0.1, description="radians; a corner turning by less is taken as smooth")
     ] = 1e-6
     samples: Annotated[bool, Field(description="answer sample points with their footpoints, too")] = False
 
@@ -79,6 +79,9 @@ class Footpoint(Answer):
     edge: Count
     u: Annotated[FiniteFloat, Field(description="parameter on the edge's own knots")]
     point: Point | None = None
+    angle: Annotated[
+        FiniteFloat | None, Field(description="at a reflex vertex: direction from it to the centre, radians")
+    ] = None
 
 
 class AxisCurve(Answer):
@@ -109,6 +112,13 @@ class Samples(Answer):
     right: list[Footpoint]
 
 
+class Piece(Answer):
+    """A stretch of a segment between two boundary pieces."""
+
+    t: Annotated[list[FiniteFloat], Field(min_length=2, max_length=2, description="where it begins and ends")]
+    kind: Literal["line", "parabola", "hyperbola", "ellipse", "freeform"]
+
+
 class Segment(Answer):
     """One curve of the axis between two nodes; a closed one without a node has start_node = end_node = null."""
 
@@ -118,6 +128,7 @@ class Segment(Answer):
     kind: Literal["line", "parabola", "hyperbola", "ellipse", "freeform"]
     axis: AxisCurve
     radius: RadiusFunction
+    pieces: list[Piece]
     samples: Samples | None = None
     max_error: Annotated[FiniteFloat, Field(ge=0, description="measured, in the caller's unit; 0 for exact curves")]
 

@@ -7,6 +7,7 @@ The only module of the service that imports mat_core, and only its public names.
 from __future__ import annotations
 
 import hashlib
+import inspect
 import json
 import logging
 import time
@@ -22,6 +23,9 @@ from service.errors import RequestError
 
 MAX_PROBLEMS = 1000
 """Problems listed in one answer; a body of garbage would otherwise be answered by a larger one."""
+
+SOLVER_OPTIONS = frozenset(inspect.signature(mat_core.medial_axis).parameters) - {"domain"}
+"""What this version of the library takes; the contract knows more."""
 
 _log = logging.getLogger("service.solve")
 
@@ -70,6 +74,8 @@ def _solve(form: str, body: bytes) -> Answer:
     options = dict(domain.options)
     samples = options.pop("samples", False)
     try:
+        for name in options.keys() - SOLVER_OPTIONS:
+            raise mat_core.UnsupportedOption(name, "it is not available in this version")
         axis = mat_core.medial_axis(domain, **options)
     except mat_core.UnsupportedOption as refusal:
         raise _unsupported(refusal) from refusal
@@ -140,15 +146,15 @@ def _invalid(invalid: mat_core.InvalidDomain) -> RequestError:
 
 def _unsupported(refusal: mat_core.UnsupportedOption) -> RequestError:
     """The answer to options that are well formed one by one but do not go together."""
-    problem = {"code": "invalid-option", "pointer": f"/options/{refusal.option}", "message": str(refusal)}
+    problem = {"code": "unsupported-option", "pointer": f"/options/{refusal.option}", "message": str(refusal)}
     return RequestError("invalid-domain", "1 problem, see problems.", {"problems": [problem]})
 
 
 def _not_certified(failure: mat_core.NotCertified) -> RequestError:
     """The answer that withholds a result: which check failed, where, and all figures of the failed certificate."""
-    problem = {"code": "not-certified", "pointer": "", "message": failure.detail}
+    problem: dict[str, Any] = {"code": "not-certified", "pointer": "", "message": failure.detail}
     if failure.place is not None:
-        problem |= dict(zip("xy", failure.place, strict=True))
+        problem["x"], problem["y"] = failure.place
     return RequestError("not-certified", str(failure), {"problems": [problem], "certificate": failure.certificate})
 
 

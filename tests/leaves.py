@@ -59,14 +59,15 @@ def candidates(reference: Reference) -> list[tuple[int, float, bool]]:
     """Maxima of positive curvature as (cell, s, plateau), once each."""
     found: list[tuple[int, float, bool]] = []
     seen: list[Floats] = []
+    convex = np.array([c.point for c in reference.corners if c.turn > 0]).reshape(-1, 2)
     for cells, s in smooth_chains(reference):
         point, normal, k = reference.at(cells, s)
-        k = np.nan_to_num(k, nan=0.0)
+        k = np.where(np.isnan(k), np.copysign(1e300, np.nan_to_num(np.roll(k, 1)) + np.nan_to_num(np.roll(k, -1))), k)
         runs = level_runs(k)
         peaks = [
             (a, b)
             for a, b in runs
-            if k[a] >= 1 / LARGEST and (a == 0 or k[a - 1] <= k[a]) and (b == len(k) - 1 or k[b + 1] <= k[b])
+            if 1e200 > k[a] >= 1 / LARGEST and (a == 0 or k[a - 1] <= k[a]) and (b == len(k) - 1 or k[b + 1] <= k[b])
         ]
         if not peaks:
             continue
@@ -77,8 +78,9 @@ def candidates(reference: Reference) -> list[tuple[int, float, bool]]:
                 continue
             m = (a + b) // 2
             flat = b - a >= 8
-            if (a == 0 or b == len(k) - 1) and not flat:
-                continue  # a maximum at a vertex is no leaf of its own
+            end = point[0] if a == 0 else point[-1] if b == len(k) - 1 else None
+            if end is not None and not flat and np.any(np.linalg.norm(convex - end, axis=1) < 1e-12):
+                continue  # the convex vertex is the leaf; at a reflex one curvature may have its peak
             cell, at = (int(cells[m]), float(s[m])) if flat else sharpen(reference, cells[a : b + 1], s[a : b + 1])
             disc = np.array([*(point[m] + normal[m] / k[m]), 1 / k[m]])
             if flat and any(np.abs(disc - other).max() < 1e-7 for other in seen):

@@ -32,6 +32,7 @@ DEEPEST = 34  # halvings of a span: below this a cell is at rounding level
 GRID = 9  # parameters per cell where the sign of the derivative of the distance is looked at
 TIE = 1e-14  # distances closer than this are taken as equal
 OWN_BLUR = 3e-7  # error of a disc that its own curvature bounds: its partner is nearer than (TIE / k'')^(1/4)
+SMOOTH_TURN = 1e-12  # turning given to a smooth vertex of infinite curvature
 CORNER = 1e-6  # radians of turning that make a vertex, the default of the option smooth_angle
 
 
@@ -355,6 +356,9 @@ class Reference:
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         turn = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
         found = []
+        for i in np.nonzero(self._stalls() & (np.abs(turn) <= CORNER))[0]:  # curvature +inf: a vertex of angle pi
+            normal = _left(before[i] * self.side[i])
+            found.append(Corner(int(i), self.boundary.end[i], SMOOTH_TURN, normal, normal))
         for i in np.nonzero(np.abs(turn) > CORNER)[0]:
             angle, side = float(turn[i]), self.side[i]
             t_in, t_out = (before[i], after[i]) if side > 0 else (-after[i], -before[i])
@@ -363,6 +367,18 @@ class Reference:
                 angle = abs(angle) * (-1.0 if self.inside(ahead[None])[0] else 1.0)
             found.append(Corner(int(i), self.boundary.end[i], angle, _left(t_in), _left(t_out)))
         return found
+
+    def _stalls(self) -> NDArray[np.bool_]:
+        """(cells,) True where a cell or its follower rests at their joint and its curvature grows to +infinity."""
+        cells = np.arange(len(self.follow))
+        result = np.zeros(len(cells), dtype=bool)
+        for cell, end, near, far in ((cells, 1.0, 1 - 1e-4, 1 - 1e-2), (self.follow, 0.0, 1e-4, 1e-2)):
+            speed = np.linalg.norm(self.boundary.evaluate(cell, np.full(len(cell), end))[1], axis=1)
+            with np.errstate(invalid="ignore"):
+                k_near = self.at(cell, np.full(len(cell), near))[2]
+                k_far = self.at(cell, np.full(len(cell), far))[2]
+                result |= (speed < 1e-12) & (k_near > 10 * k_far) & (k_far > 0)
+        return result
 
     def inside(self, points: Floats) -> NDArray[np.bool_]:
         """Crossing number on the chords of the cells: right beyond a sag of the boundary."""

@@ -16,7 +16,7 @@ from mat_core.axis import CurveTable, MedialAxis
 from mat_core.boundary.sites import SiteTable
 from mat_core.curves.conics import K_FREEFORM
 from mat_core.curves.fit import (
-    P_DEGREE, P_ERROR, P_KIND, P_LENGTH, P_S0, P_S1, P_SIDE, P_STRIP, ROWS, STACK_ROWS, fit_strips,
+    P_DEGREE, P_ERROR, P_KIND, P_LENGTH, P_S0, P_S1, P_SIDE, P_STRIP, ROWS, STACK_COLUMNS, STACK_ROWS, fit_strips,
 )
 from mat_core.kernels.jit import jit
 from mat_core.model.domain import Domain
@@ -28,7 +28,8 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 FINE_TOLERANCE = 1e-7  # at and above: quintic pieces, below: degree 7 (fewer pieces from about there on)
-ROUNDING = 2e-16  # a stated error is never less than the rounding of the coordinates it is measured with
+ROUNDING = 2e-16  # no stated error is less than the rounding of coordinates
+TRACE_ROUNDING = 1e-13  # nor that of a fitted piece less than the rounding of the true axis points it is measured against
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
 
 
@@ -98,12 +99,14 @@ def assemble_runs(
     parts = 0
     for g in range(degree.shape[0]):
         # 1. degree, kind and stated error of the whole run
-        n = 1
+        n = np.int64(1)
         error = 0.0
         common = -1
         for p in range(first[run_start[g]], first[run_start[g + 1]]):
             n = max(n, piece_i[p, P_DEGREE])
             error = max(error, piece_f[p, P_ERROR])
+            if piece_i[p, P_KIND] == K_FREEFORM:
+                error = max(error, TRACE_ROUNDING)
             if common == -1:
                 common = piece_i[p, P_KIND]
             elif common != piece_i[p, P_KIND]:
@@ -204,7 +207,7 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
         piece_cp = np.empty((ROWS * room, 4))
         count = fit_strips(
             table.si, table.sf, table.cp, skeleton.disc, skeleton.strip_i, skeleton.strip_s, wanted, tolerance, degree,
-            np.empty((STACK_ROWS, 14)), np.empty((12, 6)), np.empty((4, 3)), np.empty((4, 3)), np.empty(8), np.empty(4),
+            np.empty((STACK_ROWS, STACK_COLUMNS)), np.empty((12, 6)), np.empty((4, 3)), np.empty((4, 3)), np.empty(8), np.empty(4),
             np.empty(3), np.empty(3), piece_i, piece_f, piece_cp, first)
         if count >= 0:
             break

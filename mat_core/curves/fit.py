@@ -38,9 +38,9 @@ P_STRIP, P_SIDE, P_DEGREE, P_KIND = range(4)  # piece_i; P_SIDE: 0 when s is on 
 P_S0, P_S1, P_ERROR, P_LENGTH = range(4)  # piece_f; s at the piece's start and end, error and length (normalised)
 ROWS = 8  # control points kept for a piece: degree 7
 
-# columns of the stack of waiting intervals: s, x, y, r, tangent, at both ends
-I_S, I_X, I_TX, I_END = 0, 1, 4, 7
-STACK_ROWS = 64
+# the stack of waiting intervals: rows 2 i and 2 i + 1 are the start and the end of interval i, their columns s, x, y, r, tangent
+I_S, I_X, I_TX = 0, 1, 4
+STACK_ROWS, STACK_COLUMNS = 128, 7
 
 SAFETY = 1.5  # stated error over the largest one measured at the checks
 MIN_COSINE = 0.4  # of the angle between an end tangent and the chord; a piece that turns more is halved
@@ -82,9 +82,12 @@ def _binomial(n: int, k: int) -> float:
 
 @jit
 def tangent(
-    si: Ints, sf: Floats, cp: Floats, a: int, sa: float, b: int, sb: float, r: float, arriving: bool
+    si: Ints, sf: Floats, cp: Floats, a: int, sa: float, b: int, sb: float, r: float, sign: float
 ) -> tuple[float, float, float]:
-    """Direction (x, y, r) of the axis at the disc of radius r with contacts sa on the right and sb on the left site."""
+    """Direction (x, y, r) of the axis at the disc of radius r with contacts sa on the right and sb on the left site.
+
+    `sign` is 1 where a strip leaves, -1 where it arrives; it matters at a centre of curvature only.
+    """
     x, y, ax, ay, k, speed = evaluate(si, sf, cp, a, sa, 0.0, 0.0)
     x, y, bx, by, k, speed = evaluate(si, sf, cp, b, sb, 0.0, 0.0)
     # n1 - n2 = (by - ay, ax - bx), turned by -90 degrees
@@ -94,7 +97,6 @@ def tangent(
     vertex_a = si[a, V0] if sa <= 0.0 else (si[a, V1] if sa >= 1.0 else -1)
     vertex_b = si[b, V0] if sb <= 0.0 else (si[b, V1] if sb >= 1.0 else -2)
     if vertex_a == vertex_b and (r > 0.0 or length <= PARALLEL) or length == 0.0:
-        sign = -1.0 if arriving else 1.0
         return -sign * ay, sign * ax, sign
     tx /= length
     ty /= length
@@ -128,10 +130,10 @@ def _sample(
 ) -> None:
     """Row of `samples`: tau, x, y, r, s, partner's s, for the true axis point with footpoint s on site i."""
     x, y, r, sj, dx, dy, dr = trace(si, sf, cp, i, s, j, lo, hi)
-    ux = stack[top, I_END + I_X] - stack[top, I_X]
-    uy = stack[top, I_END + I_X + 1] - stack[top, I_X + 1]
-    ur = stack[top, I_END + I_X + 2] - stack[top, I_X + 2]
-    along = (x - stack[top, I_X]) * ux + (y - stack[top, I_X + 1]) * uy + (r - stack[top, I_X + 2]) * ur
+    ux = stack[2 * top + 1, I_X] - stack[2 * top, I_X]
+    uy = stack[2 * top + 1, I_X + 1] - stack[2 * top, I_X + 1]
+    ur = stack[2 * top + 1, I_X + 2] - stack[2 * top, I_X + 2]
+    along = (x - stack[2 * top, I_X]) * ux + (y - stack[2 * top, I_X + 1]) * uy + (r - stack[2 * top, I_X + 2]) * ur
     samples[row, 0] = along / (ux * ux + uy * uy + ur * ur)
     samples[row, 1] = x
     samples[row, 2] = y
@@ -143,17 +145,17 @@ def _sample(
 @jit
 def _hermite(stack: Floats, top: int, out: Floats) -> bool:
     """Bernstein coefficients (4, 3) of the cubic H over tau; False when an end tangent leans away from the chord."""
-    ux = stack[top, I_END + I_X] - stack[top, I_X]
-    uy = stack[top, I_END + I_X + 1] - stack[top, I_X + 1]
-    ur = stack[top, I_END + I_X + 2] - stack[top, I_X + 2]
+    ux = stack[2 * top + 1, I_X] - stack[2 * top, I_X]
+    uy = stack[2 * top + 1, I_X + 1] - stack[2 * top, I_X + 1]
+    ur = stack[2 * top + 1, I_X + 2] - stack[2 * top, I_X + 2]
     dd = ux * ux + uy * uy + ur * ur
     d = math.sqrt(dd)
     good = True
     for end in range(2):
-        base = end * I_END
-        tx = stack[top, base + I_TX]
-        ty = stack[top, base + I_TX + 1]
-        tr = stack[top, base + I_TX + 2]
+        row = 2 * top + end
+        tx = stack[row, I_TX]
+        ty = stack[row, I_TX + 1]
+        tr = stack[row, I_TX + 2]
         along = tx * ux + ty * uy + tr * ur
         size = math.sqrt(tx * tx + ty * ty + tr * tr)
         factor = dd / along / 3.0 if along > 0.0 else 0.0
@@ -161,9 +163,9 @@ def _hermite(stack: Floats, top: int, out: Floats) -> bool:
             good = False
         sign = 1.0 if end == 0 else -1.0
         for m in range(3):
-            p = stack[top, base + I_X + m]
+            p = stack[row, I_X + m]
             out[3 * end, m] = p
-            out[1 + end, m] = p + sign * factor * stack[top, base + I_TX + m]
+            out[1 + end, m] = p + sign * factor * stack[row, I_TX + m]
     return good
 
 
@@ -242,8 +244,8 @@ def _attempt(
 
     The sample to halve at stands in row m in any case.
     """
-    s0 = stack[top, I_S]
-    s1 = stack[top, I_END + I_S]
+    s0 = stack[2 * top, I_S]
+    s1 = stack[2 * top + 1, I_S]
     last = 2 * m + 2
     _sample(si, sf, cp, i, 0.5 * (s0 + s1), j, lo, hi, stack, top, samples, m)
     for c in range(6):
@@ -273,8 +275,8 @@ def _straight(samples: Floats, m: int, stack: Floats, top: int, out: Floats, row
     off = 0.0
     t = min(max(samples[m, 0], 0.0), 1.0)
     for c in range(3):
-        p = stack[top, I_X + c]
-        q = stack[top, I_END + I_X + c]
+        p = stack[2 * top, I_X + c]
+        q = stack[2 * top + 1, I_X + c]
         for k in range(m + 4):
             f = k / (m + 3.0)
             out[row + k, c] = (1.0 - f) * p + f * q
@@ -296,14 +298,11 @@ def _polygon_length(cp: Floats, row: int, degree: int) -> float:
 
 @jit
 def _finish_piece(
-    piece_i: Ints, piece_f: Floats, piece_cp: Floats, p: int, strip: int, side: int, degree: int, kind: int, s0: float,
-    s1: float, error: float,
+    piece_i: Ints, piece_f: Floats, piece_cp: Floats, p: int, strip: int, s0: float, s1: float, error: float
 ) -> None:
-    """Row p of the piece tables."""
+    """Row p of the piece tables, of which side, degree and kind are filled already."""
+    degree = piece_i[p, P_DEGREE]
     piece_i[p, P_STRIP] = strip
-    piece_i[p, P_SIDE] = side
-    piece_i[p, P_DEGREE] = degree
-    piece_i[p, P_KIND] = kind
     piece_f[p, P_S0] = s0
     piece_f[p, P_S1] = s1
     piece_f[p, P_ERROR] = error
@@ -345,7 +344,9 @@ def _conic_strip(
             lo = ends[3] if side == 0 else ends[0]
             hi = ends[2] if side == 0 else ends[1]
             p2[0], p2[1], p2[2], sj, dx, dy, dr = trace(si, sf, cp, i, after, j, lo, hi)
-        degree = 1
+        piece_i[count, P_SIDE] = side
+        piece_i[count, P_DEGREE] = 1 if both_lines else 2
+        piece_i[count, P_KIND] = kind
         error = 0.0
         if both_lines:
             for m in range(3):
@@ -354,9 +355,8 @@ def _conic_strip(
             piece_cp[ROWS * count, 3] = 1.0
             piece_cp[ROWS * count + 1, 3] = 1.0
         else:
-            degree = 2
             error = conic(si, sf, a, b, p0, p2, piece_cp, ROWS * count)
-        _finish_piece(piece_i, piece_f, piece_cp, count, strip, side, degree, kind, before, after, error)
+        _finish_piece(piece_i, piece_f, piece_cp, count, strip, before, after, error)
         count += 1
         before = after
         for m in range(3):
@@ -365,16 +365,15 @@ def _conic_strip(
 
 
 @jit
-def _put_end(stack: Floats, top: int, end: int, s: float, x: float, y: float, r: float, t: tuple[float, float, float]) -> None:
+def _put_end(stack: Floats, row: int, s: float, x: float, y: float, r: float, t: tuple[float, float, float]) -> None:
     """One end of an interval."""
-    base = end * I_END
-    stack[top, base + I_S] = s
-    stack[top, base + I_X] = x
-    stack[top, base + I_X + 1] = y
-    stack[top, base + I_X + 2] = r
-    stack[top, base + I_TX] = t[0]
-    stack[top, base + I_TX + 1] = t[1]
-    stack[top, base + I_TX + 2] = t[2]
+    stack[row, I_S] = s
+    stack[row, I_X] = x
+    stack[row, I_X + 1] = y
+    stack[row, I_X + 2] = r
+    stack[row, I_TX] = t[0]
+    stack[row, I_TX + 1] = t[1]
+    stack[row, I_TX + 2] = t[2]
 
 
 @jit
@@ -394,38 +393,42 @@ def _free_strip(
     lo = ends[3] if side == 0 else ends[0]
     hi = ends[2] if side == 0 else ends[1]
     whole = abs(ends[2 * side + 1] - ends[2 * side])
-    t0 = tangent(si, sf, cp, a, ends[0], b, ends[2], disc[d0, 2], False)
-    t1 = tangent(si, sf, cp, a, ends[1], b, ends[3], disc[d1, 2], True)
-    _put_end(stack, 0, 0, ends[2 * side], disc[d0, 0], disc[d0, 1], disc[d0, 2], t0)
-    _put_end(stack, 0, 1, ends[2 * side + 1], disc[d1, 0], disc[d1, 1], disc[d1, 2], t1)
-    top = 0
+    top = np.int64(0)  # not a literal: each literal would be compiled for once more
+    t = tangent(si, sf, cp, a, ends[0], b, ends[2], disc[d0, 2], 1.0)
+    _put_end(stack, top, ends[2 * side], disc[d0, 0], disc[d0, 1], disc[d0, 2], t)
+    t = tangent(si, sf, cp, a, ends[1], b, ends[3], disc[d1, 2], -1.0)
+    _put_end(stack, top + 1, ends[2 * side + 1], disc[d1, 0], disc[d1, 1], disc[d1, 2], t)
     while top >= 0:
         if count >= piece_i.shape[0]:
             return -1
         error = _attempt(si, sf, cp, i, j, lo, hi, stack, top, m, samples, hermite, newton)
-        s0 = stack[top, I_S]
-        s1 = stack[top, I_END + I_S]
+        s0 = stack[2 * top, I_S]
+        s1 = stack[2 * top + 1, I_S]
         chord = 0.0
         for c in range(3):
-            chord = max(chord, abs(stack[top, I_END + I_X + c] - stack[top, I_X + c]))
-        tiny = chord <= TINY or abs(s1 - s0) <= TINY * whole or top + 2 >= STACK_ROWS
+            chord = max(chord, abs(stack[2 * top + 1, I_X + c] - stack[2 * top, I_X + c]))
+        tiny = chord <= TINY or abs(s1 - s0) <= TINY * whole or 2 * top + 4 >= STACK_ROWS
         if SAFETY * error <= tolerance or tiny:
             if error < math.inf:
                 _write_piece(samples, m, hermite, newton, work, piece_cp, ROWS * count)
             else:
                 error = _straight(samples, m, stack, top, piece_cp, ROWS * count)
-            _finish_piece(piece_i, piece_f, piece_cp, count, strip, side, m + 3, K_FREEFORM, s0, s1, SAFETY * error)
+            piece_i[count, P_SIDE] = side
+            piece_i[count, P_DEGREE] = m + 3
+            piece_i[count, P_KIND] = K_FREEFORM
+            _finish_piece(piece_i, piece_f, piece_cp, count, strip, s0, s1, SAFETY * error)
             count += 1
             top -= 1
             continue
         # the far half waits below, the near half is done first
         s = samples[m, 4]
         sj = samples[m, 5]
-        t = tangent(si, sf, cp, a, s if side == 0 else sj, b, sj if side == 0 else s, samples[m, 3], False)
-        for c in range(2 * I_END):
-            stack[top + 1, c] = stack[top, c]
-        _put_end(stack, top, 0, s, samples[m, 1], samples[m, 2], samples[m, 3], t)
-        _put_end(stack, top + 1, 1, s, samples[m, 1], samples[m, 2], samples[m, 3], t)
+        t = tangent(si, sf, cp, a, s if side == 0 else sj, b, sj if side == 0 else s, samples[m, 3], 1.0)
+        for c in range(STACK_COLUMNS):
+            stack[2 * top + 3, c] = stack[2 * top + 1, c]
+            stack[2 * top + 2, c] = stack[2 * top, c]
+        _put_end(stack, 2 * top, s, samples[m, 1], samples[m, 2], samples[m, 3], t)
+        _put_end(stack, 2 * top + 3, s, samples[m, 1], samples[m, 2], samples[m, 3], t)
         top += 1
     return count
 
@@ -438,10 +441,10 @@ def fit_strips(
 ) -> int:
     """Pieces of all `wanted` strips, from disc0 to disc1; those of strip w are first[w] .. first[w + 1].
 
-    `piece_cp` has ROWS rows (x, y, r, w) for each piece. Room: stack (STACK_ROWS, 14), samples (12, 6), hermite (4, 3), newton (4, 3),
+    `piece_cp` has ROWS rows (x, y, r, w) for each piece. Room: stack (STACK_ROWS, STACK_COLUMNS), samples (12, 6), hermite (4, 3), newton (4, 3),
     work (8,), ends (4,), p0, p2 (3,). Returns the number of pieces, -1 when the tables are too small.
     """
-    count = 0
+    count = np.int64(0)
     for w in range(wanted.shape[0]):
         strip = wanted[w]
         first[w] = count

@@ -27,7 +27,12 @@ from mat_core.kernels.bezier import Floats, Ints, bernstein_sum, derivatives, re
 from mat_core.kernels.jit import jit
 from mat_core.kernels.outline import BLOCK, CP0, CUM, DEEPEST, DEG, LEN, LOOP, XMIN
 
+# Columns of `tasks`: pieces i and j over [I0, I1] and [J0, J1], the boundary path from the end of i ahead to the start of j
+# and from the end of j back to the start of i (infinite between loops, zero where they are adjacent).
+PIECE_I, I0, I1, J0, J1, PIECE_J, AHEAD, BEHIND = 0, 1, 2, 3, 4, 5, 6, 7
+
 # Kinds of hits.
+NOT_A_HIT = -1
 MEET = 0  # within `gap` of each other
 OVERLAP = 1  # adjacent pieces, the second running back along the first
 UNDECIDED = 2  # still not separated when the budget of subdivisions was spent
@@ -73,19 +78,25 @@ def separated_along(
 @jit
 def separated(rows: Floats, a: int, p: int, b: int, q: int, gap: float) -> bool:
     """Whether two control polygons are proved more than `gap` apart along x, y, either chord or its normal."""
-    if separated_along(rows, a, p, b, q, 1.0, 0.0, gap) or separated_along(rows, a, p, b, q, 0.0, 1.0, gap):
-        return True
-    for side in range(2):
-        c = a if side == 0 else b
-        e = a + p if side == 0 else b + q
-        dx = rows[e, 0] - rows[c, 0]
-        dy = rows[e, 1] - rows[c, 1]
-        length = math.hypot(dx, dy)
-        if length > 0.0:
-            dx /= length
-            dy /= length
-            if separated_along(rows, a, p, b, q, -dy, dx, gap) or separated_along(rows, a, p, b, q, dx, dy, gap):
-                return True
+    dx = 1.0
+    dy = 0.0
+    for k in range(6):
+        # x, y, chord of a, its normal, chord of b, its normal
+        if k == 2 or k == 4:
+            c = a if k == 2 else b
+            e = a + p if k == 2 else b + q
+            dx = rows[e, 0] - rows[c, 0]
+            dy = rows[e, 1] - rows[c, 1]
+            length = math.hypot(dx, dy)
+            if length > 0.0:
+                dx /= length
+                dy /= length
+        elif k > 0:
+            turned = -dy
+            dy = dx
+            dx = turned
+        if separated_along(rows, a, p, b, q, dx, dy, gap):
+            return True
     return False
 
 
@@ -94,7 +105,10 @@ def span_of(rows: Floats, c: int, p: int) -> float:
     """Largest distance, by coordinate, of a block's control points from its first one."""
     extent = 0.0
     for i in range(1, p + 1):
-        extent = max(extent, abs(rows[c + i, 0] - rows[c, 0]), abs(rows[c + i, 1] - rows[c, 1]))
+        dx = abs(rows[c + i, 0] - rows[c, 0])
+        dy = abs(rows[c + i, 1] - rows[c, 1])
+        extent = dx if dx > extent else extent
+        extent = dy if dy > extent else extent
     return extent
 
 
@@ -121,23 +135,20 @@ def joined_by_right(
 
 @jit
 def meet(
-    pi: Ints, pcp: Floats, i: int, i0: float, i1: float, j: int, j0: float, j1: float,
-    ahead: float, behind: float, gap: float, cusp_path: float, work: Floats, stack: Floats, budget: int,
+    pi: Ints, pcp: Floats, tasks: Floats, task: int, gap: float, cusp_path: float, work: Floats, stack: Floats, budget: int
 ) -> tuple[int, float, float, int]:
-    """Do piece i over [i0, i1] and piece j over [j0, j1] come within `gap`? Returns answer, both parameters, budget left.
-
-    `ahead` is the boundary path from the end of i to the start of j, `behind` from the end of j to the start of i
-    (infinite between loops).
-    """  # fmt: skip
+    """Do the two pieces of a task come within `gap`? Returns answer, both parameters, budget left."""
+    i = int(tasks[task, PIECE_I])
+    j = int(tasks[task, PIECE_J])
+    ahead = tasks[task, AHEAD]
+    behind = tasks[task, BEHIND]
     p = pi[i, DEG]
     q = pi[j, DEG]
     a = pi[i, CP0]
     b = pi[j, CP0]
     top = 0
-    stack[0, 0] = i0
-    stack[0, 1] = i1
-    stack[0, 2] = j0
-    stack[0, 3] = j1
+    for k in range(4):
+        stack[0, k] = tasks[task, I0 + k]
     while top >= 0:
         s0 = stack[top, 0]
         s1 = stack[top, 1]
@@ -247,18 +258,16 @@ def distance_to(rows: Floats, c: int, p: int, x: float, y: float) -> float:
     """Distance from (x, y) to the gentle block at row `c`: bisection of (C - q).C' from its two ends."""
     lo = 0.0
     hi = 1.0
+    near = min(math.hypot(rows[c, 0] - x, rows[c, 1] - y), math.hypot(rows[c + p, 0] - x, rows[c + p, 1] - y))
     for _ in range(BISECTIONS):
         t = 0.5 * (lo + hi)
         cx, cy, dx, dy, _, _ = derivatives(rows, c, p, t, x, y)
+        near = min(near, math.hypot(cx, cy))
         if cx * dx + cy * dy < 0.0:
             lo = t
         else:
             hi = t
-    sx, sy, sw = bernstein_sum(rows, c, p, 0.5 * (lo + hi), x, y)
-    near = math.hypot(sx / sw, sy / sw)
-    return min(
-        near, math.hypot(rows[c, 0] - x, rows[c, 1] - y), math.hypot(rows[c + p, 0] - x, rows[c + p, 1] - y)
-    )
+    return near
 
 
 @jit
@@ -281,47 +290,53 @@ def is_thin(rows: Floats, p: int, q: int, limit: float) -> bool:
 
 
 @jit
-def meet_at_joint(
-    pi: Ints, pcp: Floats, i: int, i0: float, j: int, j1: float,
-    far: float, gap: float, cusp_path: float, work: Floats, stack: Floats, budget: int,
-) -> tuple[int, float, float, int, int]:
-    """Do adjacent pieces i over [i0, 1] and j over [0, j1] share more than the end V of i, the start of j?
+def plan(
+    tasks: Floats, n: int, i: int, i0: float, i1: float, j: int, j0: float, j1: float, ahead: float, behind: float
+) -> int:
+    """Append a task; returns the new number of tasks (beyond the buffer they are only counted)."""
+    if n < tasks.shape[0]:
+        tasks[n, PIECE_I] = i
+        tasks[n, I0] = i0
+        tasks[n, I1] = i1
+        tasks[n, J0] = j0
+        tasks[n, J1] = j1
+        tasks[n, PIECE_J] = j
+        tasks[n, AHEAD] = ahead
+        tasks[n, BEHIND] = behind
+    return n + 1
 
-    Returns answer, both parameters, budget left, kind of hit. `far`: path from the end of j on to the start of i.
+
+@jit
+def plan_joint(
+    pi: Ints, pcp: Floats, i: int, i0: float, j: int, j1: float, far: float, gap: float, work: Floats,
+    tasks: Floats, n: int,
+) -> tuple[bool, int]:
+    """Adjacent pieces i over [i0, 1] and j over [0, j1] share V, the end of i and start of j. What else may they share?
+
+    Returns whether j runs back along i, and the number of tasks with the parts still to be compared appended. `far`: path
+    from the end of j on to the start of i.
     """  # fmt: skip
     p = pi[i, DEG]
     q = pi[j, DEG]
-    whole = True
-    for _ in range(DEEPEST):
+    for step in range(DEEPEST):
         restrict(pcp, pi[i, CP0], p, i0, 1.0, work, 0)
         restrict(pcp, pi[j, CP0], q, 0.0, j1, work, BLOCK)
         if cones_part(work, p, q):
-            return APART, 0.0, 0.0, budget, MEET
+            return False, n
         sa = span_of(work, 0, p)
         sb = span_of(work, BLOCK, q)
         if is_thin(work, p, q, THIN * gap):
-            if whole and min(sa, sb) > NEAR_PATH * gap:
-                return FOUND, 0.5 * (i0 + 1.0), 0.5 * j1, budget, OVERLAP
-            return APART, 0.0, 0.0, budget, MEET
-        whole = False
+            return step == 0 and sa > NEAR_PATH * gap and sb > NEAR_PATH * gap, n
         # The far halves are adjacent to nothing any more; a much shorter piece stays whole.
         im = 0.5 * (i0 + 1.0) if sa >= 0.25 * sb else i0
         jm = 0.5 * j1 if sb >= 0.25 * sa else j1
         if im > i0:
-            answer, s, t, budget = meet(
-                pi, pcp, i, i0, im, j, 0.0, j1, 0.0, far, gap, cusp_path, work, stack, budget
-            )
-            if answer != APART:
-                return answer, s, t, budget, MEET
+            n = plan(tasks, n, i, i0, im, j, 0.0, j1, 0.0, far)
         if jm < j1:
-            answer, s, t, budget = meet(
-                pi, pcp, i, im, 1.0, j, jm, j1, 0.0, far, gap, cusp_path, work, stack, budget
-            )
-            if answer != APART:
-                return answer, s, t, budget, MEET
+            n = plan(tasks, n, i, im, 1.0, j, jm, j1, 0.0, far)
         i0 = im
         j1 = jm
-    return APART, 0.0, 0.0, budget, MEET
+    return False, n
 
 
 @jit
@@ -377,64 +392,72 @@ def lines_fold(pcp: Floats, a: int, b: int, gap: float) -> bool:
 
 
 @jit
-def judge_pair(
-    pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, i: int, j: int,
-    gap: float, cusp_path: float, work: Floats, stack: Floats, budget: int,
-) -> tuple[int, float, float, int, int]:
-    """Do pieces i < j meet where they may not? Returns answer, both parameters, budget left, kind of hit."""  # fmt: skip
-    a = pi[i, CP0]
-    b = pi[j, CP0]
-    straight = pi[i, DEG] == 1 and pi[j, DEG] == 1
-    ahead = math.inf
-    behind = math.inf
-    on = False
-    back = False
-    if pi[i, LOOP] == pi[j, LOOP]:
-        first = piece_start[pi[i, LOOP]]
-        last = piece_start[pi[i, LOOP] + 1] - 1
-        ahead = pf[j, CUM] - pf[i, CUM] - pf[i, LEN]
-        behind = pf[last, CUM] + pf[last, LEN] - pf[j, CUM] - pf[j, LEN] + pf[i, CUM] - pf[first, CUM]
-        on = j == i + 1
-        back = i == first and j == last
-    if not on and not back:
-        if straight:
-            near, s, t = lines_meet(pcp, a, b, gap)
-            if near and min(
-                ahead + (1.0 - s) * pf[i, LEN] + t * pf[j, LEN], behind + s * pf[i, LEN] + (1.0 - t) * pf[j, LEN]
-            ) > NEAR_PATH * gap:
-                return FOUND, s, t, budget, MEET
-            return APART, 0.0, 0.0, budget, MEET
-        answer, s, t, budget = meet(
-            pi, pcp, i, 0.0, 1.0, j, 0.0, 1.0, ahead, behind, gap, cusp_path, work, stack, budget
-        )
-        return answer, s, t, budget, MEET
-    if straight:
-        if on and lines_fold(pcp, a, b, gap):
-            return FOUND, 0.5, 0.5, budget, OVERLAP
-        if back and lines_fold(pcp, b, a, gap):
-            return FOUND, 0.5, 0.5, budget, OVERLAP
-        return APART, 0.0, 0.0, budget, MEET
-    if on and not back:
-        return meet_at_joint(pi, pcp, i, 0.0, j, 1.0, behind, gap, cusp_path, work, stack, budget)
-    if back and not on:
-        answer, t, s, budget, kind = meet_at_joint(
-            pi, pcp, j, 0.0, i, 1.0, ahead, gap, cusp_path, work, stack, budget
-        )
-        return answer, s, t, budget, kind
-    # A loop of two pieces: each joint with the halves next to it, then the halves that are not next to each other.
-    answer, s, t, budget, kind = meet_at_joint(pi, pcp, i, 0.5, j, 0.5, math.inf, gap, cusp_path, work, stack, budget)
-    if answer == APART:
-        answer, t, s, budget, kind = meet_at_joint(
-            pi, pcp, j, 0.5, i, 0.5, math.inf, gap, cusp_path, work, stack, budget
-        )
-    for half in range(2):
-        if answer == APART:
-            h = 0.5 * half
-            answer, s, t, budget = meet(
-                pi, pcp, i, h, h + 0.5, j, h, h + 0.5, math.inf, math.inf, gap, cusp_path, work, stack, budget
-            )
-            kind = MEET
-    return answer, s, t, budget, kind
+def paths_between(pi: Ints, pf: Floats, piece_start: Ints, i: int, j: int) -> tuple[float, float]:
+    """Boundary paths from the end of piece i ahead to the start of j > i, from the end of j back to the start of i."""
+    loop = pi[i, LOOP]
+    if loop != pi[j, LOOP]:
+        return math.inf, math.inf
+    first = piece_start[loop]
+    last = piece_start[loop + 1] - 1
+    ahead = pf[j, CUM] - pf[i, CUM] - pf[i, LEN]
+    behind = pf[last, CUM] + pf[last, LEN] - pf[j, CUM] - pf[j, LEN] + pf[i, CUM] - pf[first, CUM]
+    return ahead, behind
+
+
+@jit
+def compare_joints(
+    pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, gap: float, work: Floats, tasks: Floats, hits: Floats, counts: Ints
+) -> None:
+    """All pairs of adjacent pieces: what runs back is a hit, what needs a closer look a task; counts as in `compare_pairs`."""
+    found = counts[0]
+    planned = counts[1]
+    for loop in range(piece_start.shape[0] - 1):
+        first = piece_start[loop]
+        n = piece_start[loop + 1] - first
+        # In a loop of two pieces each joint has the halves next to it; the halves not next to it are compared as well.
+        cut = 0.5 if n == 2 else 0.0
+        for k in range(n if n > 1 else 0):
+            i = first + k
+            j = first + (k + 1) % n
+            if pi[i, DEG] == 1 and pi[j, DEG] == 1:
+                folded = lines_fold(pcp, pi[i, CP0], pi[j, CP0], gap)
+            else:
+                far = math.inf
+                if k + 1 < n and n > 2:
+                    _, far = paths_between(pi, pf, piece_start, i, j)
+                elif n > 2:
+                    far, _ = paths_between(pi, pf, piece_start, j, i)
+                folded, planned = plan_joint(pi, pcp, i, cut, j, 1.0 - cut, far, gap, work, tasks, planned)
+                if n == 2:
+                    h = 0.5 * k
+                    planned = plan(tasks, planned, first, h, h + 0.5, first + 1, h, h + 0.5, math.inf, math.inf)
+            if folded:
+                found = note(hits, found, i, 0.5, j, 0.5, OVERLAP)
+    counts[0] = found
+    counts[1] = planned
+
+
+@jit
+def lines_hit(
+    pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, i: int, j: int, gap: float
+) -> tuple[bool, float, float]:
+    """Whether the lines i < j, not adjacent, meet where they may not, and their parameters."""
+    near, s, t = lines_meet(pcp, pi[i, CP0], pi[j, CP0], gap)
+    if near:
+        ahead, behind = paths_between(pi, pf, piece_start, i, j)
+        onward = ahead + (1.0 - s) * pf[i, LEN] + t * pf[j, LEN]
+        backward = behind + s * pf[i, LEN] + (1.0 - t) * pf[j, LEN]
+        near = onward > NEAR_PATH * gap and backward > NEAR_PATH * gap
+    return near, s, t
+
+
+@jit
+def are_adjacent(pi: Ints, piece_start: Ints, i: int, j: int) -> bool:
+    """Whether pieces i < j are neighbours on one loop."""
+    loop = pi[i, LOOP]
+    if loop != pi[j, LOOP]:
+        return False
+    return j == i + 1 or (i == piece_start[loop] and j == piece_start[loop + 1] - 1)
 
 
 @jit
@@ -455,20 +478,35 @@ def build_boxes(pf: Floats, n: int, tree: Floats) -> int:
 
 
 @jit
-def find_hits(
-    pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, n: int, gap: float, cusp_path: float,
-    tree: Floats, pairs: Ints, work: Floats, stack: Floats, budget: int, hits: Floats,
-) -> int:
-    """All pairs of pieces that meet where they may not, up to the rows of `hits`; returns their number.
+def note(hits: Floats, found: int, i: int, s: float, j: int, t: float, kind: int) -> int:
+    """Write a hit if there is room; returns the number of hits."""
+    if found < hits.shape[0]:
+        hits[found, 0] = i
+        hits[found, 1] = s
+        hits[found, 2] = j
+        hits[found, 3] = t
+        hits[found, 4] = kind
+        return found + 1
+    return found
 
-    Walks the tree against itself; only pairs of leaves whose boxes come within `gap` are judged.
+
+@jit
+def compare_pairs(
+    pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, n: int, gap: float,
+    tree: Floats, pairs: Ints, work: Floats, tasks: Floats, hits: Floats, counts: Ints,
+) -> None:
+    """All pairs not adjacent: hits that show at once, and tasks for the rest; counts[0] hits, counts[1] tasks, added to.
+
+    Walks the tree against itself; only pieces whose boxes come within `gap` are looked at. Ends early when `hits` is full.
+    counts[1] beyond the rows of `tasks` says that a larger buffer is needed.
     """  # fmt: skip
     leaves = build_boxes(pf, n, tree)
-    found = 0
+    found = counts[0]
+    planned = counts[1]
     top = 0
     pairs[0, 0] = 1
     pairs[0, 1] = 1
-    while top >= 0:
+    while top >= 0 and found < hits.shape[0]:
         v = pairs[top, 0]
         w = pairs[top, 1]
         top -= 1
@@ -480,37 +518,49 @@ def find_hits(
         ):
             continue
         if v >= leaves:
-            if v == w:
-                continue
-            i = v - leaves
-            j = w - leaves
-            answer, s, t, budget, kind = judge_pair(
-                pi, pf, pcp, piece_start, i, j, gap, cusp_path, work, stack, budget
-            )
-            if answer == APART:
-                continue
-            if found >= hits.shape[0]:
-                return found
-            hits[found, 0] = i
-            hits[found, 1] = s
-            hits[found, 2] = j
-            hits[found, 3] = t
-            hits[found, 4] = kind if answer == FOUND else UNDECIDED
-            found += 1
-            if answer == SPENT:
-                return found
+            if v != w:
+                i = v - leaves
+                j = w - leaves
+                if are_adjacent(pi, piece_start, i, j):
+                    continue
+                p = pi[i, DEG]
+                q = pi[j, DEG]
+                if p == 1 and q == 1:
+                    hit, s, t = lines_hit(pi, pf, pcp, piece_start, i, j, gap)
+                    if hit:
+                        found = note(hits, found, i, s, j, t, MEET)
+                    continue
+                for k in range(p + 1):
+                    for c in range(3):
+                        work[k, c] = pcp[pi[i, CP0] + k, c]
+                for k in range(q + 1):
+                    for c in range(3):
+                        work[BLOCK + k, c] = pcp[pi[j, CP0] + k, c]
+                if not separated(work, 0, p, BLOCK, q, gap):
+                    ahead, behind = paths_between(pi, pf, piece_start, i, j)
+                    planned = plan(tasks, planned, i, 0.0, 1.0, j, 0.0, 1.0, ahead, behind)
             continue
         # Both nodes are on one level, v <= w; pushed so that pairs come out in loop order.
-        pairs[top + 1, 0] = 2 * v + 1
-        pairs[top + 1, 1] = 2 * w + 1
-        pairs[top + 2, 0] = 2 * v
-        pairs[top + 2, 1] = 2 * w + 1
-        top += 2
-        if v != w:
-            pairs[top + 1, 0] = 2 * v + 1
-            pairs[top + 1, 1] = 2 * w
-            top += 1
-        pairs[top + 1, 0] = 2 * v
-        pairs[top + 1, 1] = 2 * w
-        top += 1
+        for k in range(3, -1, -1):
+            if k != 2 or v != w:
+                top += 1
+                pairs[top, 0] = 2 * v + (k >> 1)
+                pairs[top, 1] = 2 * w + (k & 1)
+    counts[0] = found
+    counts[1] = planned
+
+
+@jit
+def compare_closely(
+    pi: Ints, pcp: Floats, tasks: Floats, n: int, gap: float, cusp_path: float,
+    work: Floats, stack: Floats, budget: int, hits: Floats, found: int,
+) -> int:
+    """Last pass: the first `n` tasks by subdivision, their hits after the `found` already there; returns all hits."""  # fmt: skip
+    for task in range(n):
+        answer, s, t, budget = meet(pi, pcp, tasks, task, gap, cusp_path, work, stack, budget)
+        if answer != APART:
+            kind = MEET if answer == FOUND else UNDECIDED
+            found = note(hits, found, int(tasks[task, PIECE_I]), s, int(tasks[task, PIECE_J]), t, kind)
+        if answer == SPENT or found >= hits.shape[0]:
+            break
     return found

@@ -117,10 +117,10 @@ def cut_gently(
                     top -= 1
                     restrict(work, k * (p + 1), p, t0, t1, work, scratch)
                     x0, y0, x1, y1 = box_of(work, scratch, p)
-                    extent = max(x1 - x0, y1 - y0)
-                    if extent <= NOTHING:
+                    if x1 - x0 <= NOTHING and y1 - y0 <= NOTHING:
                         continue
-                    if extent > SPECK and t1 - t0 > 0.5**DEEPEST and not is_gentle(work, scratch, p):
+                    speck = x1 - x0 <= SPECK and y1 - y0 <= SPECK
+                    if not speck and t1 - t0 > 0.5**DEEPEST and not is_gentle(work, scratch, p):
                         tm = 0.5 * (t0 + t1)
                         stack[top + 1, 0] = tm
                         stack[top + 1, 1] = t1
@@ -149,10 +149,6 @@ def cut_gently(
                     ua = ubreaks[k]
                     pf[n, UA] = ua + t0 * (ubreaks[k + 1] - ua)
                     pf[n, UB] = ua + t1 * (ubreaks[k + 1] - ua) if t1 < 1.0 else ubreaks[k + 1]
-                    pf[n, XMIN] = x0
-                    pf[n, YMIN] = y0
-                    pf[n, XMAX] = x1
-                    pf[n, YMAX] = y1
                     pf[n, LEN] = length
                     pf[n, CUM] = cum
                     cum += length
@@ -161,20 +157,14 @@ def cut_gently(
         if n > first:
             pcp[rows_used - 1, 0] = pcp[pi[first, CP0], 0]
             pcp[rows_used - 1, 1] = pcp[pi[first, CP0], 1]
-            refresh_boxes(pi, pf, pcp, first, n)
     piece_start[loop_start.shape[0] - 1] = n
-    return n
-
-
-@jit
-def refresh_boxes(pi: Ints, pf: Floats, pcp: Floats, first: int, last: int) -> None:
-    """Boxes of pieces first .. last - 1 after their ends were snapped."""
-    for i in range(first, last):
+    for i in range(n):
         x0, y0, x1, y1 = box_of(pcp, pi[i, CP0], pi[i, DEG])
         pf[i, XMIN] = x0
         pf[i, YMIN] = y0
         pf[i, XMAX] = x1
         pf[i, YMAX] = y1
+    return n
 
 
 @jit
@@ -233,10 +223,10 @@ def measure(pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, stack: Floats,
             area += 0.5 * (pcp[a, 0] * pcp[b, 1] - pcp[a, 1] * pcp[b, 0])
             area += sector_area(pcp, a, pi[i, DEG], stack)
             length += pf[i, LEN]
-            x0 = min(x0, pf[i, XMIN])
-            y0 = min(y0, pf[i, YMIN])
-            x1 = max(x1, pf[i, XMAX])
-            y1 = max(y1, pf[i, YMAX])
+            x0 = pf[i, XMIN] if pf[i, XMIN] < x0 else x0
+            y0 = pf[i, YMIN] if pf[i, YMIN] < y0 else y0
+            x1 = pf[i, XMAX] if pf[i, XMAX] > x1 else x1
+            y1 = pf[i, YMAX] if pf[i, YMAX] > y1 else y1
         out[loop, 0] = area
         out[loop, 1] = length
         out[loop, 2] = x0
@@ -301,7 +291,7 @@ def is_inside(
             x0, y0, x1, y1 = box_of(work, c, p)
             if y0 > qy or y1 < qy or x1 < qx:
                 depth -= 1
-            elif x0 > qx or depth >= DEEPEST:
+            elif x0 > qx or (x1 - x0 <= NOTHING and y1 - y0 <= NOTHING) or depth >= DEEPEST:
                 odd = odd != ((work[c, 1] > qy) != (work[c + p, 1] > qy))
                 depth -= 1
             else:

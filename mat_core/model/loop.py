@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.kernels import outline as kernel
-from mat_core.kernels.intersect import find_hits
+from mat_core.kernels.intersect import compare_closely, compare_joints, compare_pairs
 from mat_core.model.curve import RationalBSpline
 
 TOUCH = 1e-12  # of the size: what is nearer counts as touching; a thousand times the rounding of normalised coordinates
 TOUCH_ULPS = 2.0  # of the largest coordinate: nor can the input itself tell such points apart
 CUSP_BRANCHES = 10.0  # branches of y**2 = x**3 are a gap apart at x = gap**(2/3); a path of ten such x covers flatter ones
 HIT_LIMIT = 256  # pairs of pieces reported; a scribble has millions
+TASK_LIMIT = 2_000_000  # pairs of curved pieces with interlocking hulls; sound domains have about one a piece
 SUBDIVISIONS = 5_000_000  # of one whole check, some seconds; a tight but clean domain of 10,000 edges needs a few thousand
 
 
@@ -73,18 +74,33 @@ class Outline(NamedTuple):
     work: NDArray[np.float64]  # scratch of the kernels
     stack: NDArray[np.float64]
 
-    def hits(self) -> NDArray[np.float64]:
-        """Where pieces meet that may not: rows piece, t, piece, t, kind (`mat_core.kernels.intersect`)."""
+    def hits(self) -> tuple[NDArray[np.float64], bool]:
+        """Where pieces meet that may not, and whether these are all.
+
+        Rows piece, t, piece, t, kind (`mat_core.kernels.intersect`); at most HIT_LIMIT of them.
+        """
         n = len(self.pi)
         leaves = 1 << max(0, n - 1).bit_length()
+        tree = np.empty((2 * leaves, 4))
+        pairs = np.empty((256, 2), dtype=np.int64)
         hits = np.empty((HIT_LIMIT, 5))
+        counts = np.zeros(2, dtype=np.int64)
         gap = self.frame.gap
-        cusp_path = CUSP_BRANCHES * gap ** (2.0 / 3.0)
-        found = find_hits(
-            self.pi, self.pf, self.cp, self.piece_start, n, gap, cusp_path, np.empty((2 * leaves, 4)),
-            np.empty((256, 2), dtype=np.int64), self.work, self.stack, SUBDIVISIONS, hits,
+        capacity = 64 + n
+        while True:
+            tasks = np.empty((capacity, 8))
+            counts[:] = 0
+            compare_joints(self.pi, self.pf, self.cp, self.piece_start, gap, self.work, tasks, hits, counts)
+            compare_pairs(self.pi, self.pf, self.cp, self.piece_start, n, gap, tree, pairs, self.work, tasks, hits, counts)
+            found, planned = counts.tolist()
+            if planned <= capacity or capacity >= TASK_LIMIT:
+                break
+            capacity = min(planned, TASK_LIMIT)
+        found = compare_closely(
+            self.pi, self.cp, tasks, min(planned, capacity), gap, CUSP_BRANCHES * gap ** (2.0 / 3.0),
+            self.work, self.stack, SUBDIVISIONS, hits, found,
         )  # fmt: skip
-        return hits[:found]
+        return hits[:found], found < HIT_LIMIT and planned <= capacity
 
     def nesting(self) -> NDArray[np.int64]:
         """For each loop: is it inside the outer loop, is it around it, and which hole is around it (-1 none)."""

@@ -19,7 +19,7 @@ import numpy as np
 from mat_core.errors import Problem
 from mat_core.kernels import intersect, outline as columns
 from mat_core.kernels.bezier import point
-from mat_core.model.loop import BoundaryArrays, Outline
+from mat_core.model.loop import Outline
 from mat_core.model.reading import Draft, edge_pointer, loop_pointer
 
 RADII = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)  # normalised
@@ -42,12 +42,13 @@ class Meeting(NamedTuple):
     crosses: bool
 
 
-def find_meetings(outline: Outline, arrays: BoundaryArrays) -> list[Meeting]:
-    """All meetings, those of one place reported once."""
+def find_meetings(outline: Outline) -> tuple[list[Meeting], bool]:
+    """All meetings, those of one place once, and whether all pairs could be compared."""
+    rows, complete = outline.hits()
     meetings: list[Meeting] = []
     per_edges: dict[tuple[int, int], int] = {}
     near: dict[tuple[int, int, int, int], list[tuple[float, float]]] = {}
-    for fi, s, fj, t, kind in outline.hits().tolist():
+    for fi, s, fj, t, kind in rows.tolist():
         i, j = int(fi), int(fj)
         loops = (int(outline.pi[i, columns.LOOP]), int(outline.pi[j, columns.LOOP]))
         edges = (int(outline.pi[i, columns.EDGE]), int(outline.pi[j, columns.EDGE]))
@@ -57,7 +58,7 @@ def find_meetings(outline: Outline, arrays: BoundaryArrays) -> list[Meeting]:
         per_edges[edges] = per_edges.get(edges, 0) + 1
         crosses = kind == intersect.MEET and branches_cross(outline, (i, j), (s, t))
         meetings.append(Meeting(loops, (i, j), (s, t), (x, y), int(kind), crosses))
-    return meetings
+    return meetings, complete
 
 
 def _seen(

@@ -98,11 +98,14 @@ def check(obj: object, limit: int) -> Checked:
         if too_fine is not None:
             raise InvalidDomain([*_sorted(problems), too_fine])
         outline = outline_of(arrays, use, frame)
-        meetings = find_meetings(outline, arrays)
+        meetings, complete = find_meetings(outline)
         flat = set(flat_loops(outline, meetings))
         problems.extend(area_problems(flat))
         problems.extend(meeting_problems(outline, draft, meetings, flat))
         problems.extend(nesting_problems(outline, draft, meetings, flat))
+        if not complete:
+            text = "there are more meetings of the boundary with itself than are looked at; mend those listed first"
+            problems.append(Problem("too-complex", "", text))
     if problems:
         raise InvalidDomain(_sorted(problems))
     runs_left = outline.measures[:, 0] > 0.0

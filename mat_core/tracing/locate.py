@@ -25,9 +25,6 @@ Flags = NDArray[np.bool_]
 STEPS = 60
 NEAR = 1e-15  # the plane is met when the point is this near to it (normalised)
 
-# columns of `located`
-L_X, L_Y, L_R, L_RIGHT, L_LEFT = range(5)
-
 
 @jit
 def foot_on(si: Ints, sf: Floats, i: int, lo: float, hi: float, x: float, y: float) -> float:
@@ -78,14 +75,17 @@ def _plane_root(
     b = s1
     s = s0 + share * (s1 - s0)
     side = 0
+    best = math.inf
     for step in range(STEPS):
         px, py, pr, sj, ex, ey, er = trace(si, sf, cp, i, s, j, lo, hi)
-        out[0] = px
-        out[1] = py
-        out[2] = pr
-        out[3] = s
-        out[4] = sj
         f = ((px - x) * dx + (py - y) * dy + (pr - r) * dr) / size
+        if abs(f) < best:
+            best = abs(f)
+            out[0] = px
+            out[1] = py
+            out[2] = pr
+            out[3] = s
+            out[4] = sj
         if abs(f) <= NEAR:
             return
         if f < 0.0:
@@ -131,10 +131,10 @@ def _on_fit(
 @jit
 def locate(
     si: Ints, sf: Floats, cp: Floats, strip_i: Ints, strip_s: Floats, degree: Ints, knot_start: Ints, knots: Floats,
-    cp_start: Ints, curve: Floats, part_start: Ints, part_i: Ints, part_f: Floats, segment: Ints, t: Floats, work: Floats,
+    cp_start: Ints, curve: Floats, max_error: Floats, part_start: Ints, part_i: Ints, part_f: Floats, segment: Ints, t: Floats, work: Floats,
     located: Floats, sites: Ints,
 ) -> None:
-    """True axis points for t[n] on segment[n]: `located` (n, 5) x, y, r, s right, s left; `sites` (n, 2) right, left site.
+    """True axis points for t[n] on segment[n]: `located` (5, n) x, y, r, s right, s left; `sites` (2, n) right, left site.
 
     Right and left are as seen in the direction of increasing t.
     """
@@ -184,18 +184,21 @@ def locate(
             else:
                 _on_fit(si, sf, cp, a, b, strip_s, strip, side, s0, s1, min(max(share, 0.0), 1.0), degree[g], knots,
                         knot_start[g], knot_start[g + 1], curve, cp_start[g], part_f, lo, point, work, ends, found)
-                x = found[0]
-                y = found[1]
-                r = found[2]
+                gap = math.sqrt((found[0] - x) ** 2 + (found[1] - y) ** 2 + (found[2] - r) ** 2)
+                # nearer to a centre of curvature than the true point can be told, the curve is the better one
+                if gap <= max_error[g]:
+                    x = found[0]
+                    y = found[1]
+                    r = found[2]
                 sa = found[3] if side == 0 else found[4]
                 sb = found[4] if side == 0 else found[3]
-        located[n, 0] = x
-        located[n, 1] = y
-        located[n, 2] = r
-        located[n, 3] = sa if forward else sb
-        located[n, 4] = sb if forward else sa
-        sites[n, 0] = a if forward else b
-        sites[n, 1] = b if forward else a
+        located[0, n] = x
+        located[1, n] = y
+        located[2, n] = r
+        located[3, n] = sa if forward else sb
+        located[4, n] = sb if forward else sa
+        sites[0, n] = a if forward else b
+        sites[1, n] = b if forward else a
 
 
 @jit

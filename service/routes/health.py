@@ -36,7 +36,7 @@ def _loading(pool: Pool) -> str:
         return "The workers could not be loaded, the log says why; it is tried again."
     if total == 0:
         return "Loading the library."
-    return f"Loading the kernels: {done} of {total} ({name})."
+    return f"Loading or compiling the kernels, step {done} of {total}: {name}."
 
 
 @router.get("/version")

@@ -96,7 +96,7 @@ def stages() -> list[list[tuple[str, str]]]:
 
 def test_the_image_is_built_in_two_stages_and_runs_unprivileged() -> None:
     build, final = stages()
-    assert any("tools/warm.py" in rest for instruction, rest in build if instruction == "RUN")
+    assert any("mat_core.warm" in rest for instruction, rest in build if instruction == "RUN")
     assert not any("pip install" in rest for _, rest in final)
     names = [instruction for instruction, _ in final]
     assert dict(final)["USER"] == "10001"
@@ -139,7 +139,7 @@ def test_the_commands_of_the_image_serve_as_plain_processes(tmp_path: Path) -> N
     environment["NUMBA_CACHE_DIR"] = str(tmp_path / "run" / "kernels")
     (tmp_path / "run").mkdir()
     build = {**os.environ, **environment, "NUMBA_CACHE_DIR": environment["COMPILED_KERNELS"]}
-    subprocess.run([sys.executable, "tools/warm.py"], cwd=ROOT, env=build, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([sys.executable, "-m", "mat_core.warm"], cwd=ROOT, env=build, check=True, stdout=subprocess.DEVNULL)
 
     command = json.loads(dict(final)["CMD"])
     for option in ("--host", "--port"):

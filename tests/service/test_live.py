@@ -142,6 +142,13 @@ def test_values_of_the_wrong_kind_or_size(live: httpx2.Client, text: str) -> Non
     assert document.problems
 
 
+@pytest.mark.parametrize(("name", "value"), [("method", "march"), ("check_step", 10), ("smooth_angle", 0.5)])
+def test_options_that_this_version_does_not_take(live: httpx2.Client, name: str, value: Any) -> None:
+    response = post(live, {"outer": SQUARE, "options": {name: value}})
+    if response.status_code != 200:
+        assert refused(response, 422).problems[0].pointer == f"/options/{name}"
+
+
 def test_a_duplicate_member_does_no_harm(live: httpx2.Client) -> None:
     body = json.dumps({"outer": SQUARE}).encode()
     assert post(live, b'{"outer": 3, ' + body[1:]).status_code == 200

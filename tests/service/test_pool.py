@@ -33,8 +33,9 @@ def with_pool(scenario: Callable[[Pool], Awaitable[None]], handler: str = HANDLE
         pool = Pool(Settings(**{"workers": 2, "deadline_seconds": 20.0, **settings}), handler)
         async with pool.running():
             await scenario(pool)
-            seen.update(descendants(os.getpid()))
+            seen.update(descendants(os.getpid()) - before)
 
+    before = descendants(os.getpid())
     seen: set[int] = set()
     asyncio.run(run())
     eventually(lambda: not any(alive(pid) for pid in seen))
