@@ -1,7 +1,7 @@
 """The medial axis as people use it: nodes, segments, their curves and footpoints, and the graph they form.
 
-Everything here is in the caller's coordinates. Flat arrays in normalised coordinates, (input - origin) * scale, are kept underneath; the
-pleasant objects are made when they are asked for.
+Everything here is in the caller's coordinates. Flat arrays in normalised coordinates, (input - origin) * scale, are
+kept underneath; the pleasant objects are made when they are asked for.
 """
 
 from __future__ import annotations
@@ -35,10 +35,11 @@ LENGTH_NODES = 12  # Gauss points for the length of one piece
 class CurveTable(NamedTuple):
     """The curves of all segments as flat arrays; normalised coordinates.
 
-    degree (G,) and kind (G,), an index into `SEGMENT_KINDS`. Segment g has knots knots[knot_start[g]:knot_start[g + 1]] from 0 to 1 and the
-    rows cp[cp_start[g]:cp_start[g + 1]]: x, y, r, weight (not multiplied by it). max_error (G,): measured, in (x, y, r) together.
-    Pieces: part_start (G + 1,); part_i (P, 4): segment, strip, side, kind; part_f (P, 4): t0, t1 and the parameters s0, s1 at them on the
-    strip's right site (side 0) or left site (side 1).
+    degree (G,) and kind (G,), an index into `SEGMENT_KINDS`. Segment g has the knots
+    knots[knot_start[g]:knot_start[g + 1]], from 0 to 1, and the rows cp[cp_start[g]:cp_start[g + 1]]: x, y, r, weight
+    (not multiplied by it). max_error (G,): measured, in (x, y, r) together. Pieces: part_start (G + 1,); part_i (P, 4):
+    segment, strip, side, kind; part_f (P, 4): t0, t1 and the parameters s0, s1 at them on the strip's right site
+    (side 0) or left site (side 1).
     """
 
     degree: Ints
@@ -83,7 +84,7 @@ class Footpoint:
     point : tuple of float
         The place.
     angle : float or None
-        At a reflex vertex, which all normals of a range meet: direction of this one (radians), from the vertex to the centre.
+        At a reflex vertex, where all normals of a range start: direction of this one, in radians.
     """
 
     loop: int
@@ -121,8 +122,8 @@ class Node:
 class Samples(NamedTuple):
     """True axis points of segments, not points of their fitted curves.
 
-    t (n,); points (n, 2); radii (n,); left and right (n, 2): footpoints; left_site and right_site (n,): rows of the site table; left_u,
-    right_u (n,): the input's parameter; left_angle, right_angle (n,): direction of the normal.
+    t (n,); points (n, 2); radii (n,); left and right (n, 2): footpoints; left_site and right_site (n,): rows of the
+    site table; left_u, right_u (n,): the input's parameter; left_angle, right_angle (n,): direction of the normal.
     """
 
     t: Floats
@@ -292,8 +293,8 @@ class Graph:
 class MedialAxis:
     """The medial axis transform of a domain.
 
-    Made by `mat_core.medial_axis`. `nodes`, `segments` and `graph` are what one reads; `to_dict`, `to_json` and `to_svg` what one
-    hands on.
+    Made by `mat_core.medial_axis`. `nodes`, `segments` and `graph` are what one reads; `to_dict`, `to_json` and
+    `to_svg` what one hands on.
 
     Attributes
     ----------
@@ -373,7 +374,9 @@ class MedialAxis:
         t = 0.5 * (c.part_f[:, 0] + c.part_f[:, 1])[:, None] + half[:, None] * nodes
         d = self.evaluate(np.repeat(c.part_segment, LENGTH_NODES), t.reshape(-1))[:, 3:5]
         speed = np.hypot(d[:, 0], d[:, 1]).reshape(-1, LENGTH_NODES)
-        return np.bincount(c.part_segment, weights=half * (speed @ weights), minlength=len(c.degree))
+        out = np.zeros(len(c.degree))
+        np.add.at(out, c.part_segment, half * (speed @ weights))
+        return out
 
     # Coordinates -------------------------------------------------------------------------------------------------
     def to_input(self, points: Floats) -> Floats:
@@ -403,7 +406,7 @@ class MedialAxis:
         """
         c = self.curves
         out = np.empty((len(t), 6))
-        spline_points(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, segment, t, self._work, out)
+        spline_points(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, segment, t, self._work, np.empty(6), out)
         out /= self.table.scale
         out[:, :2] += self.table.origin
         return out
@@ -427,8 +430,9 @@ class MedialAxis:
         k = self.skeleton
         located = np.empty((5, len(t)))
         sites = np.empty((2, len(t)), dtype=np.int64)
-        locate(self.table.si, self.table.sf, self.table.cp, k.strip_i, k.strip_s, c.degree, c.knot_start, c.knots, c.cp_start, c.cp,
-               c.max_error, c.part_start, c.part_i, c.part_f, segment, t, self._work, located, sites)
+        locate(self.table.si, self.table.sf, self.table.cp, k.strip_i, k.strip_s, c.degree, c.knot_start, c.knots,
+               c.cp_start, c.cp, c.max_error, c.part_start, c.part_i, c.part_f, segment, t, self._work, np.empty(6),
+               np.empty(6), np.empty(5), located, sites)
         right = self._feet(sites[0], located[3])
         left = self._feet(sites[1], located[4])
         discs = self._discs_to_input(located[:3].T)
@@ -497,6 +501,7 @@ class MedialAxis:
         state = "certified" if self.certificate.get("passed") else "not certified"
         size = math.sqrt(abs(self.domain.area))
         return (
-            f"<MedialAxis: {len(self.runs.node_disc)} nodes, {len(self.curves.degree)} segments, {self.runs.cycles} cycles,"
-            f" domain of area {self.domain.area:.6g} (size {size:.4g}), tolerance {self.tolerance:g}, {state}>"
+            f"<MedialAxis: {len(self.runs.node_disc)} nodes, {len(self.curves.degree)} segments,"
+            f" {self.runs.cycles} cycles, domain of area {self.domain.area:.6g} (size {size:.4g}),"
+            f" tolerance {self.tolerance:g}, {state}>"
         )

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.reference import SMOOTH_TURN, Contacts, CurveSet, Floats, Ints, Reference, full_knots, homogeneous
+from tests.reference import Contacts, CurveSet, Floats, Ints, Reference, full_knots, homogeneous
 
 Json = dict[str, Any]
 
@@ -275,7 +275,7 @@ def _leaf_nearness(
     convex = np.array([c.point for c in reference.corners if c.turn > 0]).reshape(-1, 2)
     for point in convex:
         excuse |= np.linalg.norm(center - point, axis=1) <= 20 * error
-    for point in (c.point for c in reference.corners if c.turn == SMOOTH_TURN):
+    for point in reference.boundary.end[reference.stalls]:
         # the second contact of a disc r is within some r^2 of such a vertex, closer than the oracle's grid
         excuse[found.query[np.linalg.norm(found.point - point, axis=1) < 1e-5]] = True
     return excuse
@@ -304,6 +304,8 @@ def boundary_probes(reference: Reference, per_edge: int, seed: int) -> tuple[Flo
     normal = np.vstack([normal, np.array(fan_n).reshape(-1, 2)])
     curvature = np.concatenate([curvature, np.full(len(fan_p), -np.inf)])
     usable = np.isfinite(normal).all(axis=1) & ~np.isnan(curvature)
+    for point in reference.boundary.end[reference.stalls]:
+        usable &= np.linalg.norm(p - point, axis=1) > 1e-5
     return p[usable], normal[usable], curvature[usable]
 
 

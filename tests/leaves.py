@@ -32,7 +32,8 @@ class Leaves(NamedTuple):
 def count_leaves(reference: Reference) -> Leaves:
     """Leaves of the axis, by corners and curvature."""
     count = sum(c.turn > 0 for c in reference.corners)
-    doubtful = 0
+    at_rest = {int(i) for i in np.nonzero(reference.stalls)[0]}
+    doubtful = 2 * sum(c.turn < 0 and c.cell in at_rest for c in reference.corners)  # a leaf of radius 0 for each side
     for cell, s, flat in candidates(reference):
         p, normal, curvature = (v[0] for v in reference.at(np.array([cell]), np.array([s])))
         if not np.isfinite(curvature):

@@ -356,7 +356,7 @@ class Reference:
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         turn = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
         found = []
-        for i in np.nonzero(self._stalls() & (np.abs(turn) <= CORNER))[0]:  # curvature +inf: a vertex of angle pi
+        for i in np.nonzero(self.stalls & (np.abs(turn) <= CORNER))[0]:  # curvature +inf: a vertex of angle pi
             normal = _left(before[i] * self.side[i])
             found.append(Corner(int(i), self.boundary.end[i], SMOOTH_TURN, normal, normal))
         for i in np.nonzero(np.abs(turn) > CORNER)[0]:
@@ -368,7 +368,8 @@ class Reference:
             found.append(Corner(int(i), self.boundary.end[i], angle, _left(t_in), _left(t_out)))
         return found
 
-    def _stalls(self) -> NDArray[np.bool_]:
+    @cached_property
+    def stalls(self) -> NDArray[np.bool_]:
         """(cells,) True where a cell or its follower rests at their joint and its curvature grows to +infinity."""
         cells = np.arange(len(self.follow))
         result = np.zeros(len(cells), dtype=bool)

@@ -12,7 +12,6 @@ from mat_core.certificate.report import (
     CURVES_CONTINUOUS, CURVES_EMPTY, CURVES_ENDS, CURVES_ON_AXIS, CURVES_TOLERANCE, note,
 )
 from mat_core.kernels.jit import jit
-from mat_core.kernels.judge import foot, reach_inside
 
 SAMPLES = 3
 GRANTED = math.sqrt(2.0)
@@ -64,7 +63,7 @@ def _apart(cp, row, disc, d):
 
 
 @jit
-def check_shape(degree, knot_start, knots, cp_start, cp, max_error, part_start, part_t, start_node, report):
+def check_shape(degree, knot_start, knots, cp_start, cp, max_error, part_start, part_f, start_node, report):
     """Knots are clamped, rise from 0 to 1 and break nothing; weights are positive; pieces follow each other; errors stated."""
     for g in range(degree.shape[0]):
         p = degree[g]
@@ -84,8 +83,8 @@ def check_shape(degree, knot_start, knots, cp_start, cp, max_error, part_start, 
                 sound = sound and cp[c, 3] > 0.0
         reached = 0.0
         for m in range(part_start[g], part_start[g + 1]):
-            sound = sound and part_t[m, 0] == reached and part_t[m, 1] > reached
-            reached = part_t[m, 1]
+            sound = sound and part_f[m, 0] == reached and part_f[m, 1] > reached
+            reached = part_f[m, 1]
         if not sound or reached != 1.0:
             note(report, CURVES_CONTINUOUS, math.inf, x, y)
             continue
@@ -101,49 +100,67 @@ def check_shape(degree, knot_start, knots, cp_start, cp, max_error, part_start, 
 
 
 @jit
-def check_curves(si, sf, cp, box, stack, work, binomial, disc, strip_i, strip_s, strip_slack, node_disc, start_node, end_node,
-                 run_start, run_strip, run_forward, degree, knot_start, knots, control_start, control, max_error, part_start,
-                 part_strip, part_t, point, report):
-    """Samples of every piece against its strip's two sides and the whole boundary, and the discs between pieces."""
+def check_ends(disc, strip_i, node_disc, start_node, end_node, run_start, run_strip, run_forward, degree, knot_start, knots,
+               control_start, control, max_error, part_start, part_i, part_f, point, report):
+    """Curves begin and end at the discs of their nodes, and pass the discs between their strips, which they take in order."""
     for g in range(degree.shape[0]):
-        granted = GRANTED * max_error[g]
         c0 = control_start[g]
         if start_node[g] >= 0:
             d = node_disc[start_node[g]]
             note(report, CURVES_ENDS, _apart(control, c0, disc, d) - max_error[g], disc[d, 0], disc[d, 1])
             d = node_disc[end_node[g]]
             note(report, CURVES_ENDS, _apart(control, control_start[g + 1] - 1, disc, d) - max_error[g], disc[d, 0], disc[d, 1])
-        step = run_start[g]
+        step = run_start[g] - 1
+        before = -1
         for m in range(part_start[g], part_start[g + 1]):
-            strip = part_strip[m]
-            if m > part_start[g] and strip != part_strip[m - 1]:
-                # the disc between two strips of the run
+            strip = part_i[m, 1]
+            if strip != before:
                 step += 1
-                before = part_strip[m - 1]
-                d = strip_i[before, 3 if run_forward[step - 1] else 2]
-                rational_point(degree[g], knots, knot_start[g], knot_start[g + 1], control, c0, 3, part_t[m, 0], point)
-                note(report, CURVES_ENDS, _apart(point, 0, disc, d) - max_error[g], disc[d, 0], disc[d, 1])
-            if step >= run_start[g + 1] or run_strip[step] != strip:
-                note(report, CURVES_ON_AXIS, math.inf, control[c0, 0], control[c0, 1])
-                break
-            for k in range(SAMPLES):
-                f = _fraction(k)
-                t = part_t[m, 0] + f * (part_t[m, 1] - part_t[m, 0])
-                rational_point(degree[g], knots, knot_start[g], knot_start[g + 1], control, c0, 3, t, point)
-                x = point[0, 0]
-                y = point[0, 1]
-                r = point[0, 2]
-                along = f if run_forward[step] else 1.0 - f
-                guess = strip_s[strip, 0] + along * (strip_s[strip, 1] - strip_s[strip, 0])
-                right = foot(si, sf, cp, strip_i[strip, 0], strip_s[strip, 0], strip_s[strip, 1], x, y, guess)[0]
-                guess = strip_s[strip, 2] + along * (strip_s[strip, 3] - strip_s[strip, 2])
-                left = foot(si, sf, cp, strip_i[strip, 1], strip_s[strip, 3], strip_s[strip, 2], x, y, guess)[0]
-                slack = granted + strip_slack[strip]
-                off = abs(right - r)
-                if not off >= abs(left - r):
-                    off = abs(left - r)
-                note(report, CURVES_ON_AXIS, off - slack, x, y)
-                gap = reach_inside(si, sf, cp, box, stack, work, binomial, x, y, r)[0]
-                note(report, CURVES_EMPTY, -gap - slack, x, y)
+                if step >= run_start[g + 1] or run_strip[step] != strip:
+                    note(report, CURVES_ENDS, math.inf, control[c0, 0], control[c0, 1])
+                    break
+                if before >= 0:
+                    d = strip_i[strip, 2 if run_forward[step] else 3]
+                    rational_point(degree[g], knots, knot_start[g], knot_start[g + 1], control, c0, 3, part_f[m, 0], point)
+                    note(report, CURVES_ENDS, _apart(point, 0, disc, d) - max_error[g], disc[d, 0], disc[d, 1])
+            before = strip
         if step != run_start[g + 1] - 1:
-            note(report, CURVES_ON_AXIS, math.inf, control[c0, 0], control[c0, 1])
+            note(report, CURVES_ENDS, math.inf, control[c0, 0], control[c0, 1])
+
+
+@jit
+def list_samples(strip_i, strip_s, degree, knot_start, knots, control_start, control, part_start, part_i, part_f, point, first,
+                 probe, side_site, side_interval, side_disc):
+    """Discs of the curves inside every piece: to `probe` from row `first` on, and twice to side_disc, for either side."""
+    n = 0
+    for g in range(degree.shape[0]):
+        for m in range(part_start[g], part_start[g + 1]):
+            strip = part_i[m, 1]
+            for k in range(SAMPLES):
+                t = part_f[m, 0] + _fraction(k) * (part_f[m, 1] - part_f[m, 0])
+                rational_point(degree[g], knots, knot_start[g], knot_start[g + 1], control, control_start[g], 3, t, point)
+                for side in range(2):
+                    row = 2 * n + side
+                    side_site[row] = strip_i[strip, side]
+                    side_interval[row, 0] = strip_s[strip, 3 * side]
+                    side_interval[row, 1] = strip_s[strip, 1 + side]
+                    side_interval[row, 2] = 0.5 * (side_interval[row, 0] + side_interval[row, 1])
+                    for c in range(3):
+                        side_disc[row, c] = probe[first + n, c] = point[0, c]
+                n += 1
+
+
+@jit
+def check_curves(degree, max_error, part_start, part_i, strip_slack, first, probe, depth, distance, report):
+    """Samples of the curves touch either side of their strip, and the boundary stays out of them."""
+    n = 0
+    for g in range(degree.shape[0]):
+        for m in range(part_start[g], part_start[g + 1]):
+            granted = GRANTED * max_error[g] + strip_slack[part_i[m, 1]]
+            for _ in range(SAMPLES):
+                x = probe[first + n, 0]
+                y = probe[first + n, 1]
+                note(report, CURVES_ON_AXIS, distance[2 * n] - granted, x, y)
+                note(report, CURVES_ON_AXIS, distance[2 * n + 1] - granted, x, y)
+                note(report, CURVES_EMPTY, depth[first + n] - granted, x, y)
+                n += 1

@@ -1,8 +1,9 @@
 """From pieces to segments: each run of strips becomes one clamped B-spline in (x, y, r) over t in [0, 1].
 
-Pieces of a run meet with a common tangent. Knot spans are proportional to length; between two fitted pieces the second span is chosen so
-that the derivatives agree, too: there the knot is one simpler (C1), the common control point is left out. Everywhere else inner knots have
-multiplicity `degree`. Conics keep weights 1 at their ends, so the homogeneous curve is continuous.
+Pieces of a run meet with a common tangent. Knot spans are proportional to length; between two fitted pieces the
+second span is chosen so that the derivatives agree, too: there the knot is one simpler (C1), the common control point
+is left out. Everywhere else inner knots have multiplicity `degree`. Conics keep weights 1 at their ends, so the
+homogeneous curve is continuous.
 """
 
 from __future__ import annotations
@@ -16,7 +17,18 @@ from mat_core.axis import CurveTable, MedialAxis
 from mat_core.boundary.sites import SiteTable
 from mat_core.curves.conics import K_FREEFORM
 from mat_core.curves.fit import (
-    P_DEGREE, P_ERROR, P_KIND, P_LENGTH, P_S0, P_S1, P_SIDE, P_STRIP, ROWS, STACK_COLUMNS, STACK_ROWS, fit_strips,
+    P_DEGREE,
+    P_ERROR,
+    P_KIND,
+    P_LENGTH,
+    P_S0,
+    P_S1,
+    P_SIDE,
+    P_STRIP,
+    ROWS,
+    STACK_COLUMNS,
+    STACK_ROWS,
+    fit_strips,
 )
 from mat_core.kernels.jit import jit
 from mat_core.model.domain import Domain
@@ -29,7 +41,7 @@ Flags = NDArray[np.bool_]
 
 FINE_TOLERANCE = 1e-7  # at and above: quintic pieces, below: degree 7 (fewer pieces from about there on)
 ROUNDING = 2e-16  # no stated error is less than the rounding of coordinates
-TRACE_ROUNDING = 1e-13  # nor that of a fitted piece less than the rounding of the true axis points it is measured against
+TRACE_ROUNDING = 1e-13  # nor that of a fitted piece less than the rounding of the axis points it is held against
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
 
 
@@ -65,7 +77,7 @@ def raise_degree(cp: Floats, row: int, degree: int, wanted: int, out: Floats, to
 
 @jit
 def _smooth_span(cp: Floats, joint: int, span: float) -> tuple[float, float]:
-    """(span of the next piece that makes a joint C1, distance of the joint from its neighbours' line) at row `joint`."""
+    """(span of the next piece that makes the joint at row `joint` C1, its distance from its neighbours' line)."""
     before = 0.0
     after = 0.0
     for m in range(3):
@@ -91,7 +103,7 @@ def assemble_runs(
 ) -> int:
     """All segments; strip run_strip[n] has the pieces first[n] .. first[n + 1]. Returns the number of parts.
 
-    part_i (segment, strip, side, kind) and part_f (t0, t1, s0, s1) list the pieces in the order and direction of travel.
+    part_i (segment, strip, side, kind) and part_f (t0, t1, s0, s1) list the pieces in order of travel.
     """
     cp_start[0] = 0
     knot_start[0] = 0
@@ -99,7 +111,7 @@ def assemble_runs(
     parts = 0
     for g in range(degree.shape[0]):
         # 1. degree, kind and stated error of the whole run
-        n = np.int64(1)
+        n = int(np.int64(1))
         error = 0.0
         common = -1
         for p in range(first[run_start[g]], first[run_start[g + 1]]):
@@ -193,7 +205,7 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     Returns
     -------
     CurveTable
-        Normalised coordinates. Where a piece could not be brought below the tolerance (rounding), its stated error exceeds it.
+        Normalised coordinates. A piece that cannot be brought below the tolerance states the larger error.
     """
     wanted = graph.run_strip
     n = len(wanted)
@@ -207,8 +219,8 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
         piece_cp = np.empty((ROWS * room, 4))
         count = fit_strips(
             table.si, table.sf, table.cp, skeleton.disc, skeleton.strip_i, skeleton.strip_s, wanted, tolerance, degree,
-            np.empty((STACK_ROWS, STACK_COLUMNS)), np.empty((12, 6)), np.empty((4, 3)), np.empty((4, 3)), np.empty(8), np.empty(4),
-            np.empty(3), np.empty(3), piece_i, piece_f, piece_cp, first)
+            np.empty((STACK_ROWS, STACK_COLUMNS)), np.empty((12, 6)), np.empty((4, 3)), np.empty((4, 3)), np.empty(8),
+            np.empty(4), np.empty(3), np.empty(3), piece_i, piece_f, piece_cp, first)
         if count >= 0:
             break
         room *= 4
@@ -222,10 +234,10 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     part_start = np.empty(runs + 1, dtype=np.int64)
     part_i = np.empty((count, 4), dtype=np.int64)
     part_f = np.empty((count, 4))
-    assemble_runs(graph.run_start, wanted, graph.run_forward, first, piece_i, piece_f, piece_cp, degrees, kinds, max_error,
-                  knot_start, knots, cp_start, cp, part_start, part_i, part_f)
-    return CurveTable(degrees, kinds, knot_start, knots[: knot_start[-1]], cp_start, cp[: cp_start[-1]], max_error, part_start,
-                      part_i, part_f)
+    assemble_runs(graph.run_start, wanted, graph.run_forward, first, piece_i, piece_f, piece_cp, degrees, kinds,
+                  max_error, knot_start, knots, cp_start, cp, part_start, part_i, part_f)
+    return CurveTable(degrees, kinds, knot_start, knots[: knot_start[-1]], cp_start, cp[: cp_start[-1]], max_error,
+                      part_start, part_i, part_f)
 
 
 def build_axis(

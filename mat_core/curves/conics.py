@@ -1,22 +1,24 @@
-"""The axis between two lines, circular arcs or points: one exact rational quadratic in (x, y, r).
+r"""The axis between two lines, circular arcs or points: one exact rational quadratic in (x, y, r).
 
-A disc X = (c, r) touches a side when it lies on the side's quadric in the space of discs. Write <u, v> = ux vx + uy vy - ur vr, take any
-point p of the side with its inward normal n and curvature k, and G = (c - p, r):
+A disc X = (c, r) touches a side when it lies on the side's quadric in the space of discs. Write <u, v> = ux vx + uy
+vy - ur vr, take any point p of the side with its inward normal n and curvature k, and G = (c - p, r):
 
     Q(X) = kappa <G, G> - 2 sigma <G, nu> = 0,    nu = (n, 1),    kappa : sigma = k : 1
 
-(line k = 0: the plane r = n.(c - p); point k = infinite: the cone |c - p| = r; both limits are met without a large number). Two such
-quadrics share their quadratic part, so the curve in both lies in a plane with normal
+(line k = 0: the plane r = n.(c - p); point k = infinite: the cone |c - p| = r; both limits are met without a large
+number). Two such quadrics share their quadratic part, so the curve in both lies in a plane with normal
 
-    N = kappa1 kappa2 (p2 - p1, 0) - kappa2 sigma1 nu1 + kappa1 sigma2 nu2        (in the sense <e, N> = 0 for e in the plane)
+    N = kappa1 kappa2 (p2 - p1, 0) - kappa2 sigma1 nu1 + kappa1 sigma2 nu2,    <e, N> = 0 for e in the plane,
 
-and is a conic. With its ends P0, P2, middle M and half chord d, the end tangents meet in V = M + e and the middle weight is w:
+and is a conic. With its ends P0, P2, middle M and half chord d, the end tangents meet in V = M + e and the middle
+weight is w:
 
-    <e, d> = 0,    <e, N> = 0,    <e, B> = kappa <d, d>,    B = kappa (M - p) - sigma nu,    w^2 = <d, d> / (<d, d> + <e, e>)
+    <e, d> = 0,    <e, N> = 0,    <e, B> = kappa <d, d>,    B = kappa (M - p) - sigma nu,
+    w^2 = <d, d> / (<d, d> + <e, e>)
 
-      V        e is of second order in d, so nothing cancels for short curves. The tangent in the plane turns by the mean of the
-     /|\       turning of both normals, which is known beforehand: curves that turn by more than MAX_TURN are split, and the tangents
-    / e \      are never parallel.
+      V        e is of second order in d, so nothing cancels for short curves. The tangent turns by the mean of the
+     /|\       turning of both normals, which is known beforehand: curves that turn by more than MAX_TURN are split,
+    / e \      and the tangents are never parallel.
    P0-M--P2    Farin, Curves and Surfaces for CAGD, chapter 12 (conics in standard form).
 """
 
@@ -75,7 +77,7 @@ def is_conic(si: Ints, a: int, b: int) -> bool:
 
 @jit
 def conic_kind(si: Ints, sf: Floats, a: int, b: int) -> int:
-    """What the centres run on, decided by the sides: focal radii have a constant sum (ellipse) or difference (hyperbola)."""
+    """What the centres run on, from the sides: focal radii of constant sum (ellipse) or difference (hyperbola)."""
     if si[a, KIND] == LINE and si[b, KIND] == LINE:
         return K_LINE
     if si[a, KIND] == LINE or si[b, KIND] == LINE:
@@ -104,7 +106,7 @@ def _residual(
 
 @jit
 def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floats, row: int) -> float:
-    """Write the quadratic from disc p0 to disc p2 (x, y, r) to rows row .. row + 2 of `cp` (x, y, r, w); its measured error.
+    """Write the quadratic from disc p0 to disc p2 to rows row .. row + 2 of `cp` (x, y, r, w); its measured error.
 
     Assumes, does not check: not both sides are lines, and the curve turns by less than MAX_TURN.
     """
@@ -116,7 +118,7 @@ def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floa
     dx = 0.5 * (p2[0] - p0[0])
     dy = 0.5 * (p2[1] - p0[1])
     dr = 0.5 * (p2[2] - p0[2])
-    # e = f kappa <d, d> / <f, B> with f orthogonal to d and N; the vectors are written in the form for the Euclidean product
+    # e = f kappa <d, d> / <f, B> with f orthogonal to d and N; vectors in the form for the Euclidean product
     ux = kappa * lam * (qx - px) - lam * sigma * nx + kappa * tau * ox
     uy = kappa * lam * (qy - py) - lam * sigma * ny + kappa * tau * oy
     ur = lam * sigma - kappa * tau

@@ -1,20 +1,23 @@
 """Curves of all strips, piece by piece: conics where the sides allow, else polynomials with a measured error.
 
-A piece of a fitted curve runs from disc P to disc Q in the space of (x, y, r). Its parameter is the share of the way along the chord,
+A piece of a fitted curve runs from disc P to disc Q in the space of (x, y, r). Its parameter is the share of the way
+along the chord,
 
     tau(X) = (X - P).(Q - P) / |Q - P|^2,
 
-in which the axis is a regular, smooth curve everywhere: also at a centre of curvature, where both footpoints run into each other and
-every boundary parameter u gives tau ~ (u - u*)^2, and where a Bezier's own speed is zero. The true axis is sampled through a footpoint s
-on one side; each sample brings its own tau, so no equation tau(s) = const has to be solved.
+in which the axis is a regular, smooth curve everywhere: also at a centre of curvature, where both footpoints run into
+each other and every boundary parameter u gives tau ~ (u - u*)^2, and where a Bezier's own speed is zero. The true
+axis is sampled through a footpoint s on one side; each sample brings its own tau, so no equation tau(s) = const has
+to be solved.
 
     X(tau) = H(tau) + tau^2 (1 - tau)^2 g(tau)         H: cubic with the exact discs and exact tangents at both ends
                                                        g: linear (degree 5) or cubic (degree 7), through the samples
-    tangent at a disc with normals n1 (right), n2 (left): t = (n1 - n2) turned by -90 degrees, dr = t.n1; at a centre of curvature
-    (n, 1): the disc moves straight away from its only contact. Tangents know nothing of curvature, so pieces join with one tangent.
+    tangent at a disc with normals n1 (right), n2 (left): t = (n1 - n2) turned by -90 degrees, dr = t.n1; at a centre of
+    curvature (n, 1): the disc moves straight away from its only contact. Tangents know nothing of curvature, so pieces
+    join with one tangent.
 
-        check  node  check  node  check          The abscissae of nodes make |tau^2 (1 - tau)^2 prod (tau - tau_i)| equally large at
-      P---+-----o-----+-----o-----+---Q          all checks, so the checks see the largest error. A piece that fails is halved.
+        check  node  check  node  check        The nodes make |tau^2 (1 - tau)^2 prod (tau - tau_i)| equally large at
+      P---+-----o-----+-----o-----+---Q        all checks, which so see the largest error. A piece that fails is halved.
 """
 
 from __future__ import annotations
@@ -24,7 +27,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.curves.conics import K_FREEFORM, K_LINE, MAX_TURN, conic, conic_kind, is_conic, swing
+from mat_core.curves.conics import K_FREEFORM, MAX_TURN, conic, conic_kind, is_conic, swing
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import FAN, KIND, LEN, LINE, SPIRAL, SWEEP, V0, V1
@@ -34,11 +37,11 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 # columns of the piece tables
-P_STRIP, P_SIDE, P_DEGREE, P_KIND = range(4)  # piece_i; P_SIDE: 0 when s is on the strip's right site, 1 on its left one
+P_STRIP, P_SIDE, P_DEGREE, P_KIND = range(4)  # piece_i; P_SIDE 0: s is on the strip's right site, 1: on its left one
 P_S0, P_S1, P_ERROR, P_LENGTH = range(4)  # piece_f; s at the piece's start and end, error and length (normalised)
 ROWS = 8  # control points kept for a piece: degree 7
 
-# the stack of waiting intervals: rows 2 i and 2 i + 1 are the start and the end of interval i, their columns s, x, y, r, tangent
+# the stack of waiting intervals: rows 2 i and 2 i + 1 are the two ends of interval i; columns s, x, y, r, tangent
 I_S, I_X, I_TX = 0, 1, 4
 STACK_ROWS, STACK_COLUMNS = 128, 7
 
@@ -46,7 +49,7 @@ SAFETY = 1.5  # stated error over the largest one measured at the checks
 MIN_COSINE = 0.4  # of the angle between an end tangent and the chord; a piece that turns more is halved
 MIN_GAP = 0.04  # least distance of neighbouring abscissae; below, the interpolation would be ill-conditioned
 TINY = 1e-11  # a chord this short is not halved any more, nor is an interval this short relative to the whole one
-CLOSED_FORM_BONUS = 0.1  # take the free-form side as the sampled one unless it is this much shorter: its partner is cheap
+CLOSED_FORM_BONUS = 0.1  # sample a free-form side unless it is this much shorter than a closed one: a cheap partner
 PARALLEL = 1e-9  # |n1 - n2| below which two normals at one vertex are one
 
 
@@ -71,7 +74,7 @@ def _fraction(m: int, k: int) -> float:
 
 @jit
 def _binomial(n: int, k: int) -> float:
-    """n over k; 0 outside the triangle."""
+    """The binomial coefficient n over k; 0 outside the triangle."""
     if k < 0 or k > n:
         return 0.0
     c = 1.0
@@ -113,7 +116,7 @@ def _travel(si: Ints, sf: Floats, i: int, s0: float, s1: float, r0: float, r1: f
 
 @jit
 def _choose_side(si: Ints, sf: Floats, a: int, b: int, ends: Floats, r0: float, r1: float) -> int:
-    """The side to sample through: the longer travel; a free-form side against a closed form is preferred for its speed."""
+    """The side to sample through: the longer travel; free-form against closed form is preferred for its speed."""
     along_a = _travel(si, sf, a, ends[0], ends[1], r0, r1)
     along_b = _travel(si, sf, b, ends[2], ends[3], r0, r1)
     if si[a, KIND] == SPIRAL and si[b, KIND] != SPIRAL:
@@ -180,7 +183,7 @@ def _bulge(hermite: Floats, t: float, m: int) -> float:
 
 @jit
 def _interpolate(samples: Floats, m: int, hermite: Floats, newton: Floats) -> float:
-    """Newton coefficients (m, 3) of g through the nodes (odd rows of `samples`); the largest distance from the checks."""
+    """Newton coefficients (m, 3) of g through the nodes (odd rows of `samples`); largest distance from the checks."""
     for i in range(m):
         t = samples[2 * i + 1, 0]
         weight = t * t * (1.0 - t) * (1.0 - t)
@@ -311,8 +314,8 @@ def _finish_piece(
 
 @jit
 def _conic_strip(
-    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, strip: int, ends: Floats, p0: Floats,
-    p2: Floats, piece_i: Ints, piece_f: Floats, piece_cp: Floats, count: int,
+    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, strip: int, ends: Floats,
+    p0: Floats, p2: Floats, piece_i: Ints, piece_f: Floats, piece_cp: Floats, count: int,
 ) -> int:
     """Pieces of a strip between lines, arcs and points; returns the new number of pieces, -1 when there is no room."""
     a = strip_i[strip, 0]
@@ -378,9 +381,9 @@ def _put_end(stack: Floats, row: int, s: float, x: float, y: float, r: float, t:
 
 @jit
 def _free_strip(
-    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, strip: int, ends: Floats, tolerance: float,
-    m: int, stack: Floats, samples: Floats, hermite: Floats, newton: Floats, work: Floats, piece_i: Ints, piece_f: Floats,
-    piece_cp: Floats, count: int,
+    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, strip: int, ends: Floats,
+    tolerance: float, m: int, stack: Floats, samples: Floats, hermite: Floats, newton: Floats, work: Floats,
+    piece_i: Ints, piece_f: Floats, piece_cp: Floats, count: int,
 ) -> int:
     """Pieces of a strip with a free-form side, in order of travel; returns their number, -1 when there is no room."""
     a = strip_i[strip, 0]
@@ -393,7 +396,7 @@ def _free_strip(
     lo = ends[3] if side == 0 else ends[0]
     hi = ends[2] if side == 0 else ends[1]
     whole = abs(ends[2 * side + 1] - ends[2 * side])
-    top = np.int64(0)  # not a literal: each literal would be compiled for once more
+    top = int(np.int64(0))  # not a literal: each literal would be compiled for once more
     t = tangent(si, sf, cp, a, ends[0], b, ends[2], disc[d0, 2], 1.0)
     _put_end(stack, top, ends[2 * side], disc[d0, 0], disc[d0, 1], disc[d0, 2], t)
     t = tangent(si, sf, cp, a, ends[1], b, ends[3], disc[d1, 2], -1.0)
@@ -435,26 +438,28 @@ def _free_strip(
 
 @jit
 def fit_strips(
-    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, wanted: Ints, tolerance: float, degree: int,
-    stack: Floats, samples: Floats, hermite: Floats, newton: Floats, work: Floats, ends: Floats, p0: Floats, p2: Floats,
-    piece_i: Ints, piece_f: Floats, piece_cp: Floats, first: Ints,
+    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, wanted: Ints, tolerance: float,
+    degree: int, stack: Floats, samples: Floats, hermite: Floats, newton: Floats, work: Floats, ends: Floats,
+    p0: Floats, p2: Floats, piece_i: Ints, piece_f: Floats, piece_cp: Floats, first: Ints,
 ) -> int:
     """Pieces of all `wanted` strips, from disc0 to disc1; those of strip w are first[w] .. first[w + 1].
 
-    `piece_cp` has ROWS rows (x, y, r, w) for each piece. Room: stack (STACK_ROWS, STACK_COLUMNS), samples (12, 6), hermite (4, 3), newton (4, 3),
-    work (8,), ends (4,), p0, p2 (3,). Returns the number of pieces, -1 when the tables are too small.
+    `piece_cp` has ROWS rows (x, y, r, w) for each piece. Room: stack (STACK_ROWS, STACK_COLUMNS), samples (12, 6),
+    hermite (4, 3), newton (4, 3), work (8,), ends (4,), p0, p2 (3,). Returns the number of pieces, -1 when the tables
+    are too small.
     """
-    count = np.int64(0)
+    count = int(np.int64(0))
     for w in range(wanted.shape[0]):
         strip = wanted[w]
         first[w] = count
         for m in range(4):
             ends[m] = strip_s[strip, m]
         if is_conic(si, strip_i[strip, 0], strip_i[strip, 1]):
-            count = _conic_strip(si, sf, cp, disc, strip_i, strip_s, strip, ends, p0, p2, piece_i, piece_f, piece_cp, count)
+            count = _conic_strip(si, sf, cp, disc, strip_i, strip_s, strip, ends, p0, p2, piece_i, piece_f, piece_cp,
+                                 count)
         else:
-            count = _free_strip(si, sf, cp, disc, strip_i, strip_s, strip, ends, tolerance, degree - 3, stack, samples, hermite,
-                                newton, work, piece_i, piece_f, piece_cp, count)
+            count = _free_strip(si, sf, cp, disc, strip_i, strip_s, strip, ends, tolerance, degree - 3, stack, samples,
+                                hermite, newton, work, piece_i, piece_f, piece_cp, count)
         if count < 0:
             return -1
     first[wanted.shape[0]] = count

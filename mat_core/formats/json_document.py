@@ -1,7 +1,7 @@
 """The answer document of the contract, and its JSON.
 
-Numbers are the caller's; names are those of the OpenAPI document. Curves carry their knots, control points and weights twice, once with
-centres and once with radii, so that each can be read alone.
+Numbers are the caller's; names are those of the OpenAPI document. Curves carry their knots, control points and
+weights twice, once with centres and once with radii, so that each can be read alone.
 """
 
 from __future__ import annotations
@@ -90,7 +90,12 @@ def _segments(axis: MedialAxis, samples: bool) -> list[dict[str, Any]]:
                 "start_node": start if start >= 0 else None,
                 "end_node": end if end >= 0 else None,
                 "kind": kinds[g],
-                "axis": {"degree": degree, "knots": own_knots, "control_points": points[rows], "weights": weights[rows]},
+                "axis": {
+                    "degree": degree,
+                    "knots": own_knots,
+                    "control_points": points[rows],
+                    "weights": weights[rows],
+                },
                 "radius": {
                     "degree": degree,
                     "knots": list(own_knots),

@@ -1,12 +1,13 @@
 """Rational Bezier pieces: cutting a B-spline into them, evaluating them, subdividing them.
 
-A control point is a row ``(x, y, w)``: the **Euclidean** point and its weight, not the product. Every affine step between
-two rows is taken in the form
+A control point is a row ``(x, y, w)``: the **Euclidean** point and its weight, not the product. Every affine step
+between two rows is taken in the form
 
     w = (1 - a) w0 + a w1,        P = P0 + b (P1 - P0),        b = a w1 / w,
 
-(Farin, *Curves and Surfaces for CAGD*, 13.2), so coordinates near 1e6 keep their digits whatever the weights are: no row is
-ever multiplied by its weight. With positive weights and a in [0, 1] each step is a convex combination, hence stable.
+(Farin, *Curves and Surfaces for CAGD*, 13.2), so coordinates near 1e6 keep their digits whatever the weights are: no
+row is ever multiplied by its weight. With positive weights and a in [0, 1] each step is a convex combination, hence
+stable.
 
     p    degree, 1 to 25        t, s    parameter of a piece in [0, 1] and 1 - t        a, b    ends of a knot span
 
@@ -61,12 +62,12 @@ def decompose(
 ) -> int:
     """Cut one clamped rational B-spline into its Bezier pieces; returns their number S.
 
-    Reads knots[knot0 : knot0 + nknots] and cp[cp0 : cp0 + ncp] (x, y, w). Piece i is written to rows i (degree + 1) ... of
-    `out`, its parameter range to ubreaks[i], ubreaks[i + 1]. S <= ncp - degree bounds both buffers.
+    Reads knots[knot0 : knot0 + nknots] and cp[cp0 : cp0 + ncp] (x, y, w). Piece i is written to rows i (degree + 1)
+    ... of `out`, its parameter range to ubreaks[i], ubreaks[i + 1]. S <= ncp - degree bounds both buffers.
 
-    For the span [a, b] = [t_k, t_k+1] the p + 1 rows d_k-p .. d_k are the blossom f(t_i+1, .., t_i+p). Two triangles of
-    convex steps, in place, replace the knots left of a by a, then those right of b by b. Any inner multiplicity will do:
-    at p + 1 neighbouring pieces share no row and may be apart. A Bezier curve comes out bit for bit as it went in.
+    For the span [a, b] = [t_k, t_k+1] the p + 1 rows d_k-p .. d_k are the blossom f(t_i+1, .., t_i+p). Two triangles
+    of convex steps, in place, replace the knots left of a by a, then those right of b by b. Any inner multiplicity will
+    do: at p + 1 neighbouring pieces share no row and may be apart. A Bezier curve comes out bit for bit as it went in.
     """
     p = degree
     spans = 0
@@ -101,7 +102,7 @@ def decompose(
 
 @jit
 def restrict(cp: Floats, c0: int, degree: int, t0: float, t1: float, out: Floats, o0: int) -> None:
-    """Rows of the sub-piece over [t0, t1] in [0, 1] (t0 < t1) into out[o0 : o0 + degree + 1], by two de Casteljau triangles."""
+    """Rows of the piece over [t0, t1] in [0, 1], t0 < t1, from row `o0` of `out` on, by two de Casteljau triangles."""
     for i in range(degree + 1):
         out[o0 + i, 0] = cp[c0 + i, 0]
         out[o0 + i, 1] = cp[c0 + i, 1]
@@ -119,7 +120,8 @@ def restrict(cp: Floats, c0: int, degree: int, t0: float, t1: float, out: Floats
 
 @jit
 def halve(rows: Floats, c0: int, degree: int, left: int, right: int) -> None:
-    """Split the piece at row `c0` at t = 1/2: the halves go to the blocks at rows `left` and `right` of the same buffer.
+    """Split the piece at row `c0` at t = 1/2: the halves go to the blocks at rows `left` and `right` of the same
+    buffer.
 
     `left` or `right` may be `c0` itself, not both.
     """
@@ -128,7 +130,8 @@ def halve(rows: Floats, c0: int, degree: int, left: int, right: int) -> None:
             rows[right + i, 0] = rows[c0 + i, 0]
             rows[right + i, 1] = rows[c0 + i, 1]
             rows[right + i, 2] = rows[c0 + i, 2]
-    # Column r of the triangle leaves its first row to the left half; the last column run leaves the right half in place.
+    # Column r of the triangle leaves its first row to the left half; the last column run leaves the right half in
+    # place.
     for r in range(degree + 1):
         rows[left + r, 0] = rows[right, 0]
         rows[left + r, 1] = rows[right, 1]
@@ -149,7 +152,7 @@ def point(cp: Floats, c0: int, degree: int, t: float) -> tuple[float, float]:
 
 @jit
 def bernstein_sum(cp: Floats, c0: int, degree: int, t: float, ox: float, oy: float) -> tuple[float, float, float]:
-    """Sums of B_j(t) w_j (x_j - ox, y_j - oy, 1), up to one common positive factor, by Horner's rule in the smaller of t/s, s/t."""
+    """Sums of B_j(t) w_j (x_j - ox, y_j - oy, 1) up to a positive factor; Horner in the smaller of t/s and s/t."""
     p = degree
     s = 1.0 - t
     sx = 0.0

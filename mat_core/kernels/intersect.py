@@ -1,38 +1,39 @@
 """Where the boundary meets itself: every pair of gentle pieces decided by subdivision, near-linear over a box tree.
 
-    pair not adjacent    halve the longer piece, drop what is separated by more than `gap` along x, y or either chord
-                         and its normal (control polygons bound the curves); both smaller than gap / 4 and still not
-                         separated: they meet.
-    pair adjacent        pieces A -> V -> B share the end V. If the cones of their control points seen from V are disjoint
-                         they share nothing else. Else cut off the far halves (not adjacent: as above) and look again
-                         nearer to V, until the cones part or A and B together are thinner than THIN gaps (tip of a cusp).
-
-                A \\      / B           cone of A seen from V: the chords from V to points of A are positive
-                   \\    /              combinations of P_k - V, so disjoint cones hold disjoint curves
-                    \\  /
-                     V
+    adjacent pieces      see `mat_core.kernels.joints`: whether they share more than their joint becomes some tasks
+    two lines            by their nearest points
+    other pairs          a task: halve the longer piece, drop what is separated by more than `gap` along x, y, either
+                         chord or its normal (control polygons bound the curves); both smaller than gap / 4 and still
+                         not separated: they meet
 
 Points of one loop joined by a boundary path of a few gaps are near each other by rights; so are, up to `cusp_path`, the
 branches of a cusp (they run against each other, 2 x**1.5 apart at distance x from the tip).
 
 Coordinates, piece tables and gentle pieces as in `mat_core.kernels.outline`. `gap`: what is nearer counts as touching.
-Hits, rows of `hits` (n, 5): piece i, its t, piece j, its t, kind.
+Hits, rows of `hits` (n, 5): piece i, its t, piece j, its t, kind. Tasks: columns in `mat_core.kernels.joints`.
 """
 
 from __future__ import annotations
 
 import math
 
-from mat_core.kernels.bezier import Floats, Ints, bernstein_sum, derivatives, restrict
+from mat_core.kernels.bezier import Floats, Ints, restrict
 from mat_core.kernels.jit import jit
-from mat_core.kernels.outline import BLOCK, CP0, CUM, DEEPEST, DEG, LEN, LOOP, XMIN
-
-# Columns of `tasks`: pieces i and j over [I0, I1] and [J0, J1], the boundary path from the end of i ahead to the start of j
-# and from the end of j back to the start of i (infinite between loops, zero where they are adjacent).
-PIECE_I, I0, I1, J0, J1, PIECE_J, AHEAD, BEHIND = 0, 1, 2, 3, 4, 5, 6, 7
+from mat_core.kernels.joints import (
+    AHEAD,
+    BEHIND,
+    I0,
+    NEAR_PATH,
+    PIECE_I,
+    PIECE_J,
+    lines_fold,
+    plan,
+    plan_joint,
+    span_of,
+)
+from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, LOOP, XMIN
 
 # Kinds of hits.
-NOT_A_HIT = -1
 MEET = 0  # within `gap` of each other
 OVERLAP = 1  # adjacent pieces, the second running back along the first
 UNDECIDED = 2  # still not separated when the budget of subdivisions was spent
@@ -40,20 +41,12 @@ UNDECIDED = 2  # still not separated when the budget of subdivisions was spent
 APART, FOUND, SPENT = 0, 1, 2  # answers about a pair
 
 LEAF = 0.25  # of gap: extent at which subdivision ends; hulls of two leaves add half a gap at most
-NEAR_PATH = 16.0  # gaps of boundary path within which two points are one corner
-THIN = 16.0  # gaps: a tip thinner than this is accepted; halving once more at least halves the gap cubed, so >= 2 gaps remain
-SAME_DIRECTION = 1e-10  # sine below which two cone sides count as one
 STRAIGHT_BACK = 0.1  # sine between chords that run against each other, as the branches of a cusp do
-NO_DIRECTION = 1e-15  # control points this near to V tell no direction: the rounding of normalised coordinates
-SAMPLES = 8  # points at which a tip's thickness is measured
-BISECTIONS = 45  # of a parameter range, when a footpoint is sought
 
 
 @jit
-def separated_along(
-    rows: Floats, a: int, p: int, b: int, q: int, dx: float, dy: float, gap: float
-) -> bool:
-    """Whether the projections on the unit vector (dx, dy) of blocks `a` (degree p) and `b` (degree q) are over `gap` apart."""
+def separated_along(rows: Floats, a: int, p: int, b: int, q: int, dx: float, dy: float, gap: float) -> bool:
+    """Whether blocks `a` (degree p) and `b` (degree q) are over `gap` apart along the unit vector (dx, dy)."""
     ox = rows[a, 0]
     oy = rows[a, 1]
     a0 = 0.0
@@ -101,21 +94,7 @@ def separated(rows: Floats, a: int, p: int, b: int, q: int, gap: float) -> bool:
 
 
 @jit
-def span_of(rows: Floats, c: int, p: int) -> float:
-    """Largest distance, by coordinate, of a block's control points from its first one."""
-    extent = 0.0
-    for i in range(1, p + 1):
-        dx = abs(rows[c + i, 0] - rows[c, 0])
-        dy = abs(rows[c + i, 1] - rows[c, 1])
-        extent = dx if dx > extent else extent
-        extent = dy if dy > extent else extent
-    return extent
-
-
-@jit
-def joined_by_right(
-    rows: Floats, p: int, q: int, ahead: float, behind: float, gap: float, cusp_path: float
-) -> bool:
+def joined_by_right(rows: Floats, p: int, q: int, ahead: float, behind: float, gap: float, cusp_path: float) -> bool:
     """Whether blocks 0 and BLOCK are near only because a short boundary path joins them.
 
     `ahead`, `behind`: the longest such path from the first to the second, going on or going back.
@@ -135,7 +114,15 @@ def joined_by_right(
 
 @jit
 def meet(
-    pi: Ints, pcp: Floats, tasks: Floats, task: int, gap: float, cusp_path: float, work: Floats, stack: Floats, budget: int
+    pi: Ints,
+    pcp: Floats,
+    tasks: Floats,
+    task: int,
+    gap: float,
+    cusp_path: float,
+    work: Floats,
+    stack: Floats,
+    budget: int,
 ) -> tuple[int, float, float, int]:
     """Do the two pieces of a task come within `gap`? Returns answer, both parameters, budget left."""
     i = int(tasks[task, PIECE_I])
@@ -207,139 +194,6 @@ def meet(
 
 
 @jit
-def cone_seen_from(rows: Floats, v: int, far: int, step: int, p: int) -> tuple[float, float, float, float]:
-    """Unit sides lo, hi (right and left) of the cone of the p control points from row `v` to `far`, seen from row `v`."""
-    lx = ly = hx = hy = 0.0
-    k = far
-    for _ in range(p):
-        x = rows[k, 0] - rows[v, 0]
-        y = rows[k, 1] - rows[v, 1]
-        length = math.hypot(x, y)
-        k -= step
-        if length <= NO_DIRECTION:
-            continue
-        x /= length
-        y /= length
-        if lx == 0.0 and ly == 0.0:
-            lx = hx = x
-            ly = hy = y
-        elif hx * y - hy * x > 0.0:
-            hx = x
-            hy = y
-        elif lx * y - ly * x < 0.0:
-            lx = x
-            ly = y
-    return lx, ly, hx, hy
-
-
-@jit
-def in_cone(x: float, y: float, lx: float, ly: float, hx: float, hy: float) -> bool:
-    """Whether the unit vector (x, y) lies in the cone from lo to hi (under a half turn), widened by SAME_DIRECTION."""
-    if x * (lx + hx) + y * (ly + hy) <= 0.0:
-        return False
-    return lx * y - ly * x >= -SAME_DIRECTION and x * hy - y * hx >= -SAME_DIRECTION
-
-
-@jit
-def cones_part(rows: Floats, p: int, q: int) -> bool:
-    """Whether block 0, ending in V, and block BLOCK, starting in V, lie in disjoint cones from V."""
-    alx, aly, ahx, ahy = cone_seen_from(rows, p, 0, -1, p)
-    blx, bly, bhx, bhy = cone_seen_from(rows, BLOCK, BLOCK + q, 1, q)
-    return not (
-        in_cone(alx, aly, blx, bly, bhx, bhy)
-        or in_cone(ahx, ahy, blx, bly, bhx, bhy)
-        or in_cone(blx, bly, alx, aly, ahx, ahy)
-        or in_cone(bhx, bhy, alx, aly, ahx, ahy)
-    )
-
-
-@jit
-def distance_to(rows: Floats, c: int, p: int, x: float, y: float) -> float:
-    """Distance from (x, y) to the gentle block at row `c`: bisection of (C - q).C' from its two ends."""
-    lo = 0.0
-    hi = 1.0
-    near = min(math.hypot(rows[c, 0] - x, rows[c, 1] - y), math.hypot(rows[c + p, 0] - x, rows[c + p, 1] - y))
-    for _ in range(BISECTIONS):
-        t = 0.5 * (lo + hi)
-        cx, cy, dx, dy, _, _ = derivatives(rows, c, p, t, x, y)
-        near = min(near, math.hypot(cx, cy))
-        if cx * dx + cy * dy < 0.0:
-            lo = t
-        else:
-            hi = t
-    return near
-
-
-@jit
-def is_thin(rows: Floats, p: int, q: int, limit: float) -> bool:
-    """Whether the shorter of blocks 0 and BLOCK lies within `limit` of the other, at SAMPLES points and its far end."""
-    la = math.hypot(rows[p, 0] - rows[0, 0], rows[p, 1] - rows[0, 1])
-    lb = math.hypot(rows[BLOCK + q, 0] - rows[BLOCK, 0], rows[BLOCK + q, 1] - rows[BLOCK, 1])
-    c = 0 if la <= lb else BLOCK
-    d = p if la <= lb else q
-    other = BLOCK if la <= lb else 0
-    degree = q if la <= lb else p
-    for k in range(SAMPLES):
-        t = k / SAMPLES if la <= lb else 1.0 - k / SAMPLES
-        ox = rows[c, 0]
-        oy = rows[c, 1]
-        sx, sy, sw = bernstein_sum(rows, c, d, t, ox, oy)
-        if distance_to(rows, other, degree, ox + sx / sw, oy + sy / sw) > limit:
-            return False
-    return True
-
-
-@jit
-def plan(
-    tasks: Floats, n: int, i: int, i0: float, i1: float, j: int, j0: float, j1: float, ahead: float, behind: float
-) -> int:
-    """Append a task; returns the new number of tasks (beyond the buffer they are only counted)."""
-    if n < tasks.shape[0]:
-        tasks[n, PIECE_I] = i
-        tasks[n, I0] = i0
-        tasks[n, I1] = i1
-        tasks[n, J0] = j0
-        tasks[n, J1] = j1
-        tasks[n, PIECE_J] = j
-        tasks[n, AHEAD] = ahead
-        tasks[n, BEHIND] = behind
-    return n + 1
-
-
-@jit
-def plan_joint(
-    pi: Ints, pcp: Floats, i: int, i0: float, j: int, j1: float, far: float, gap: float, work: Floats,
-    tasks: Floats, n: int,
-) -> tuple[bool, int]:
-    """Adjacent pieces i over [i0, 1] and j over [0, j1] share V, the end of i and start of j. What else may they share?
-
-    Returns whether j runs back along i, and the number of tasks with the parts still to be compared appended. `far`: path
-    from the end of j on to the start of i.
-    """  # fmt: skip
-    p = pi[i, DEG]
-    q = pi[j, DEG]
-    for step in range(DEEPEST):
-        restrict(pcp, pi[i, CP0], p, i0, 1.0, work, 0)
-        restrict(pcp, pi[j, CP0], q, 0.0, j1, work, BLOCK)
-        if cones_part(work, p, q):
-            return False, n
-        sa = span_of(work, 0, p)
-        sb = span_of(work, BLOCK, q)
-        if is_thin(work, p, q, THIN * gap):
-            return step == 0 and sa > NEAR_PATH * gap and sb > NEAR_PATH * gap, n
-        # The far halves are adjacent to nothing any more; a much shorter piece stays whole.
-        im = 0.5 * (i0 + 1.0) if sa >= 0.25 * sb else i0
-        jm = 0.5 * j1 if sb >= 0.25 * sa else j1
-        if im > i0:
-            n = plan(tasks, n, i, i0, im, j, 0.0, j1, 0.0, far)
-        if jm < j1:
-            n = plan(tasks, n, i, im, 1.0, j, jm, j1, 0.0, far)
-        i0 = im
-        j1 = jm
-    return False, n
-
-
-@jit
 def lines_meet(pcp: Floats, a: int, b: int, gap: float) -> tuple[bool, float, float]:
     """Do the segments at rows a, a + 1 and b, b + 1 come within `gap`? Also the parameters of their nearest points."""
     ox = pcp[a, 0]
@@ -380,18 +234,6 @@ def lines_meet(pcp: Floats, a: int, b: int, gap: float) -> tuple[bool, float, fl
 
 
 @jit
-def lines_fold(pcp: Floats, a: int, b: int, gap: float) -> bool:
-    """Does segment b, which starts where segment a ends, run back along a (the shorter within `gap` of the other)?"""
-    ux = pcp[a, 0] - pcp[a + 1, 0]
-    uy = pcp[a, 1] - pcp[a + 1, 1]
-    vx = pcp[b + 1, 0] - pcp[b, 0]
-    vy = pcp[b + 1, 1] - pcp[b, 1]
-    if ux * vx + uy * vy <= 0.0:
-        return False
-    return abs(ux * vy - uy * vx) <= gap * max(math.hypot(ux, uy), math.hypot(vx, vy))
-
-
-@jit
 def paths_between(pi: Ints, pf: Floats, piece_start: Ints, i: int, j: int) -> tuple[float, float]:
     """Boundary paths from the end of piece i ahead to the start of j > i, from the end of j back to the start of i."""
     loop = pi[i, LOOP]
@@ -406,9 +248,17 @@ def paths_between(pi: Ints, pf: Floats, piece_start: Ints, i: int, j: int) -> tu
 
 @jit
 def compare_joints(
-    pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, gap: float, work: Floats, tasks: Floats, hits: Floats, counts: Ints
+    pi: Ints,
+    pf: Floats,
+    pcp: Floats,
+    piece_start: Ints,
+    gap: float,
+    work: Floats,
+    tasks: Floats,
+    hits: Floats,
+    counts: Ints,
 ) -> None:
-    """All pairs of adjacent pieces: what runs back is a hit, what needs a closer look a task; counts as in `compare_pairs`."""
+    """All adjacent pairs: what runs back is a hit, what needs a closer look a task; counts as in `compare_pairs`."""
     found = counts[0]
     planned = counts[1]
     for loop in range(piece_start.shape[0] - 1):
@@ -492,14 +342,25 @@ def note(hits: Floats, found: int, i: int, s: float, j: int, t: float, kind: int
 
 @jit
 def compare_pairs(
-    pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, n: int, gap: float,
-    tree: Floats, pairs: Ints, work: Floats, tasks: Floats, hits: Floats, counts: Ints,
+    pi: Ints,
+    pf: Floats,
+    pcp: Floats,
+    piece_start: Ints,
+    n: int,
+    gap: float,
+    tree: Floats,
+    pairs: Ints,
+    work: Floats,
+    tasks: Floats,
+    hits: Floats,
+    counts: Ints,
 ) -> None:
-    """All pairs not adjacent: hits that show at once, and tasks for the rest; counts[0] hits, counts[1] tasks, added to.
+    """All pairs not adjacent: hits that show at once, and tasks for the rest; counts[0] hits, counts[1] tasks, added
+    to.
 
-    Walks the tree against itself; only pieces whose boxes come within `gap` are looked at. Ends early when `hits` is full.
-    counts[1] beyond the rows of `tasks` says that a larger buffer is needed.
-    """  # fmt: skip
+    Walks the tree against itself; only pieces whose boxes come within `gap` are looked at. Ends early when `hits` is
+    full. counts[1] beyond the rows of `tasks` says that a larger buffer is needed.
+    """
     leaves = build_boxes(pf, n, tree)
     found = counts[0]
     planned = counts[1]
@@ -552,10 +413,19 @@ def compare_pairs(
 
 @jit
 def compare_closely(
-    pi: Ints, pcp: Floats, tasks: Floats, n: int, gap: float, cusp_path: float,
-    work: Floats, stack: Floats, budget: int, hits: Floats, found: int,
+    pi: Ints,
+    pcp: Floats,
+    tasks: Floats,
+    n: int,
+    gap: float,
+    cusp_path: float,
+    work: Floats,
+    stack: Floats,
+    budget: int,
+    hits: Floats,
+    found: int,
 ) -> int:
-    """Last pass: the first `n` tasks by subdivision, their hits after the `found` already there; returns all hits."""  # fmt: skip
+    """Last pass: the first `n` tasks by subdivision, their hits after the `found` already there; returns all hits."""
     for task in range(n):
         answer, s, t, budget = meet(pi, pcp, tasks, task, gap, cusp_path, work, stack, budget)
         if answer != APART:

@@ -77,7 +77,7 @@ def jit(function: F) -> F:
     configured = config.CACHE_DIR
     config.CACHE_DIR = str(cache_root() / fingerprint(Path(function.__code__.co_filename).resolve()))
     try:
-        compiled: F = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+        compiled: F = numba.njit(cache=True, error_model="numpy", nogil=True, _nrt=False)(function)
     finally:
         config.CACHE_DIR = configured
     return compiled

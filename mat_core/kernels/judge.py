@@ -26,6 +26,12 @@ _QX, _QY, _QW, _FIRST = 0, 1, 2, 3
 NOISE = 4e-15  # rounding of a coefficient of h, relative to the largest |q|^2
 NEWTON = 60  # steps of the bracketed Newton iterations; halving alone ends in as many
 SETTLED = 1e-8  # a Newton step below this squares to rounding
+RETRIES = 6  # first guesses for a local foot
+CLOSE = 1e-10  # a foot this near to where a disc should touch is the one that was looked for
+BALL_STEPS = 40  # of the shrinking ball; five are usual
+BALL_SETTLED = 1e-14  # relative change of the radius that ends the iteration
+GROWTHS = 12  # doublings of the first radius until the ball meets the other side
+FIRST_RADIUS = 1e-3  # where none is known
 
 
 @jit
@@ -295,3 +301,91 @@ def reach_inside(si, sf, cp, box, stack, work, binomial, x, y, r):
             worst = gap
             site = i
     return worst, site
+
+
+@jit
+def frames_at(si, sf, cp, site, s, frame):
+    """Rows x, y, tx, ty of the boundary at s on a site."""
+    for n in range(site.shape[0]):
+        x, y, tx, ty, k, speed = evaluate(si, sf, cp, site[n], s[n], 0.0, 0.0)
+        frame[n, 0] = x
+        frame[n, 1] = y
+        frame[n, 2] = tx
+        frame[n, 3] = ty
+
+
+@jit
+def depths(si, sf, cp, box, stack, work, binomial, disc, depth):
+    """How deep the boundary reaches into each disc x, y, r."""
+    for n in range(disc.shape[0]):
+        depth[n] = -reach_inside(si, sf, cp, box, stack, work, binomial, disc[n, 0], disc[n, 1], disc[n, 2])[0]
+
+
+@jit
+def distances(si, sf, cp, site, interval, disc, distance):
+    """How far each disc x, y, r is from touching a part of a site: |distance of its centre - r|.
+
+    interval rows: lo, hi and the parameter to begin at. A local foot elsewhere is not believed before others were tried.
+    """
+    for n in range(site.shape[0]):
+        x = disc[n, 0]
+        y = disc[n, 1]
+        lo = interval[n, 0]
+        hi = interval[n, 1]
+        guess = interval[n, 2]
+        best = math.inf
+        for attempt in range(RETRIES):
+            off = abs(foot(si, sf, cp, site[n], lo, hi, x, y, guess)[0] - disc[n, 2])
+            if off < best:
+                best = off
+            if best <= CLOSE:
+                break
+            guess = lo + (attempt + 0.5) / (RETRIES - 1.0) * (hi - lo)
+        distance[n] = best
+
+
+@jit
+def balls(si, sf, cp, job_i, job_s, frame, disc, partner):
+    """Discs tangent at given footpoints that touch a part of another site, by a shrinking ball.
+
+    job_i rows: the footpoint's frame, the other site; job_s rows: lo, hi there, first radius. Fills rows of `disc`, from row 0:
+    x, y, r (r = inf if there is none), and of `partner`: s, x, y, tx, ty of the other foot.
+    """
+    for n in range(job_i.shape[0]):
+        f = job_i[n, 0]
+        j = job_i[n, 1]
+        lo = job_s[n, 0]
+        hi = job_s[n, 1]
+        px = frame[f, 0]
+        py = frame[f, 1]
+        tx = frame[f, 2]
+        ty = frame[f, 3]
+        r = job_s[n, 2] if job_s[n, 2] > 0.0 else FIRST_RADIUS
+        s = 0.5 * (lo + hi)
+        growths = 0
+        qx = qy = ux = uy = 0.0
+        for _ in range(BALL_STEPS):
+            s = foot(si, sf, cp, j, lo, hi, px - r * ty, py + r * tx, s)[1]
+            qx, qy, ux, uy, k, speed = evaluate(si, sf, cp, j, s, px, py)
+            ahead = tx * qy - ty * qx
+            if not ahead > 0.0:
+                # not met yet, or from the wrong side: begin with a larger ball
+                growths += 1
+                if growths > GROWTHS:
+                    r = math.inf
+                    break
+                r *= 2.0
+                continue
+            new = (qx * qx + qy * qy) / (2.0 * ahead)
+            settled = abs(new - r) <= BALL_SETTLED * new
+            r = new
+            if settled:
+                break
+        disc[n, 0] = px - r * ty
+        disc[n, 1] = py + r * tx
+        disc[n, 2] = r
+        partner[n, 0] = s
+        partner[n, 1] = px + qx
+        partner[n, 2] = py + qy
+        partner[n, 3] = ux
+        partner[n, 4] = uy

@@ -1,6 +1,6 @@
 """Evaluating the curves of an axis: rational B-splines in (x, y, r), by de Boor's algorithm in homogeneous form.
 
-    X(t) = sum N_i(t) w_i P_i / sum N_i(t) w_i,      X'(t) from the last but one column of the triangle (Piegl, Tiller, section 4.3)
+X(t) = sum N_i(t) w_i P_i / sum N_i(t) w_i,      X'(t) from the last but one column of the triangle
 """
 
 from __future__ import annotations
@@ -15,10 +15,12 @@ Ints = NDArray[np.int64]
 
 
 @jit
-def spline_point(degree: int, knots: Floats, k0: int, k1: int, cp: Floats, c0: int, t: float, work: Floats, out: Floats) -> None:
-    """X and X' by t (both x, y, r) to `out` (6,), for the spline with knots k0 .. k1 - 1 and rows x, y, r, w of `cp` from c0 on.
+def spline_point(
+    degree: int, knots: Floats, k0: int, k1: int, cp: Floats, c0: int, t: float, work: Floats, out: Floats
+) -> None:
+    """X and X' by t (both x, y, r) to `out` (6,): knots k0 .. k1 - 1, rows x, y, r, w of `cp` from c0 on.
 
-    `work` is (degree + 1, 4). At an inner knot the span to its right counts; t outside the knots is moved to their nearer end.
+    `work` is (degree + 1, 4). At an inner knot the span to its right counts; t outside is moved to the nearer end.
     """
     last = k1 - degree - 2
     t = min(max(t, knots[k0]), knots[k1 - 1])
@@ -58,10 +60,10 @@ def spline_point(degree: int, knots: Floats, k0: int, k1: int, cp: Floats, c0: i
 
 @jit
 def spline_points(
-    degree: Ints, knot_start: Ints, knots: Floats, cp_start: Ints, cp: Floats, segment: Ints, t: Floats, work: Floats, out: Floats
+    degree: Ints, knot_start: Ints, knots: Floats, cp_start: Ints, cp: Floats, segment: Ints, t: Floats, work: Floats,
+    point: Floats, out: Floats
 ) -> None:
-    """Rows X, X' of `out` (n, 6) at t[n] of the curves segment[n]; `work` has one row more than the largest degree."""
-    point = np.empty(6)
+    """Rows X, X' of `out` (n, 6) at t[n] of curve segment[n]; room: work (largest degree + 1, 4), point (6,)."""
     for n in range(t.shape[0]):
         g = segment[n]
         spline_point(degree[g], knots, knot_start[g], knot_start[g + 1], cp, cp_start[g], t[n], work, point)

@@ -1,15 +1,15 @@
 """The boundary cut into gentle pieces, and what can be read off them: area, length, extent, inside or outside.
 
 A **gentle** piece is a rational Bezier whose control legs all lie within a right angle of each other. Its direction of
-travel then stays in that cone (the hodograph of a rational Bezier with positive weights is a positive combination of its
-legs: Floater, CAGD 9, 1992), so it cannot meet itself, is a graph over its chord, and is at most sqrt(2) chords long.
-A curve is halved until its pieces are gentle; a cusp leaves a speck of extent SPECK.
+travel then stays in that cone (the hodograph of a rational Bezier with positive weights is a positive combination of
+its legs: Floater, CAGD 9, 1992), so it cannot meet itself, is a graph over its chord, and is at most sqrt(2) chords
+long. A curve is halved until its pieces are gentle; a cusp leaves a speck of extent SPECK.
 
 Coordinates are normalised: size in [0.5, 1] about the origin. Piece tables (written by `cut_gently`):
 
     pi (n, 4) int64     DEG, CP0 first control row, LOOP, EDGE
-    pf (n, 8) float64   UA, UB parameter range on the edge, control box XMIN, YMIN, XMAX, YMAX, LEN control legs' length,
-                        CUM the sum of LEN from the loop's first piece to this one
+    pf (n, 8) float64   UA, UB parameter range on the edge; XMIN, YMIN, XMAX, YMAX control box; LEN length of its
+                        control legs; CUM the sum of LEN from the loop's first piece to this one
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def cut_gently(
 
 @jit
 def gauss_sector(pcp: Floats, c0: int, p: int, t0: float, t1: float) -> float:
-    """Area swept about the piece's start while t runs from t0 to t1, half the integral of x y' - y x', by 16 Gauss points."""
+    """Area swept about the piece's start over [t0, t1], half the integral of x y' - y x', by 16 Gauss points."""
     ox = pcp[c0, 0]
     oy = pcp[c0, 1]
     total = 0.0
@@ -181,7 +181,7 @@ def gauss_sector(pcp: Floats, c0: int, p: int, t0: float, t1: float) -> float:
 
 @jit
 def sector_area(pcp: Floats, c0: int, p: int, stack: Floats) -> float:
-    """Signed area between a piece and its chord; exact for polynomials to degree 16, else halved until it stands still."""
+    """Signed area between a piece and its chord; exact for polynomials to degree 16, else halved until it stays."""
     polynomial = p <= 16
     for i in range(p):
         polynomial = polynomial and pcp[c0 + i, 2] == pcp[c0 + p, 2]
@@ -211,7 +211,7 @@ def sector_area(pcp: Floats, c0: int, p: int, stack: Floats) -> float:
 
 @jit
 def measure(pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, stack: Floats, out: Floats) -> None:
-    """Per loop signed area, length of the control legs, and the control box: out (L, 6) rows area, length, x0, y0, x1, y1."""
+    """Of each loop: signed area, length of its control legs, control box; out (L, 6) area, length, x0, y0, x1, y1."""
     for loop in range(piece_start.shape[0] - 1):
         area = 0.0
         length = 0.0
@@ -267,9 +267,7 @@ def farthest(pi: Ints, pf: Floats, pcp: Floats, first: int, last: int, axis: int
 
 
 @jit
-def is_inside(
-    pi: Ints, pf: Floats, pcp: Floats, first: int, last: int, qx: float, qy: float, work: Floats
-) -> bool:
+def is_inside(pi: Ints, pf: Floats, pcp: Floats, first: int, last: int, qx: float, qy: float, work: Floats) -> bool:
     """Whether (qx, qy) lies inside the closed chain of pieces first .. last - 1; assumes it does not lie on it.
 
     Crossings of the ray towards +x are counted modulo two. What lies wholly to the right of q crosses an odd number of
@@ -301,12 +299,12 @@ def is_inside(
 
 
 @jit
-def find_nesting(
-    pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, boxes: Floats, work: Floats, nest: Ints
-) -> None:
-    """Where each hole lies, by its first point: nest (L, 3) int64 rows inside the outer loop, around it, first hole around.
+def find_nesting(pi: Ints, pf: Floats, pcp: Floats, piece_start: Ints, boxes: Floats, work: Floats, nest: Ints) -> None:
+    """Where each hole lies, by its first point: nest (L, 3) int64 rows inside the outer loop, around it, first hole
+    around.
 
-    `boxes` (L, 6) as written by `measure`. Loops without pieces are passed over; answers hold for loops that do not meet.
+    `boxes` (L, 6) as written by `measure`. Loops without pieces are passed over; answers hold for loops that do not
+    meet.
     """
     loops = piece_start.shape[0] - 1
     for h in range(1, loops):

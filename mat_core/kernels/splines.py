@@ -1,6 +1,7 @@
 """The rules one rational B-spline must keep, checked for all edges in one pass.
 
-A rule's answer is an index: -1 when kept, else where it is broken first (a control point, a weight or a knot of that edge).
+A rule's answer is an index: -1 when kept, else where it is broken first (a control point, a weight or a knot of that
+edge).
 """
 
 from __future__ import annotations
@@ -63,8 +64,10 @@ def check_weights(cp: Floats, first: int, last: int, widest: float, broken: Ints
 
 
 @jit
-def check_knots(knots: Floats, k0: int, nk: int, cp: Floats, c0: int, degree: int, join: float, broken: Ints, e: int) -> None:
-    """Knots finite, non-decreasing, clamped, over a range, inner ones at most `degree` times unless the curve stays whole."""
+def check_knots(
+    knots: Floats, k0: int, nk: int, cp: Floats, c0: int, degree: int, join: float, broken: Ints, e: int
+) -> None:
+    """Knots finite, in order, clamped, over a range; inner ones at most `degree` times unless the curve stays whole."""
     for i in range(nk - 1, -1, -1):
         if not math.isfinite(knots[k0 + i]):
             broken[e, KNOT_NOT_FINITE] = i

@@ -14,10 +14,14 @@ from mat_core.model.curve import RationalBSpline
 
 TOUCH = 1e-12  # of the size: what is nearer counts as touching; a thousand times the rounding of normalised coordinates
 TOUCH_ULPS = 2.0  # of the largest coordinate: nor can the input itself tell such points apart
-CUSP_BRANCHES = 10.0  # branches of y**2 = x**3 are a gap apart at x = gap**(2/3); a path of ten such x covers flatter ones
+CUSP_BRANCHES = (
+    10.0  # branches of y**2 = x**3 are a gap apart at x = gap**(2/3); a path of ten such x covers flatter ones
+)
 HIT_LIMIT = 256  # pairs of pieces reported; a scribble has millions
 TASK_LIMIT = 2_000_000  # pairs of curved pieces with interlocking hulls; sound domains have about one a piece
-SUBDIVISIONS = 5_000_000  # of one whole check, some seconds; a tight but clean domain of 10,000 edges needs a few thousand
+SUBDIVISIONS = (
+    5_000_000  # of one whole check, some seconds; a tight but clean domain of 10,000 edges needs a few thousand
+)
 
 
 class BoundaryArrays(NamedTuple):
@@ -91,7 +95,9 @@ class Outline(NamedTuple):
             tasks = np.empty((capacity, 8))
             counts[:] = 0
             compare_joints(self.pi, self.pf, self.cp, self.piece_start, gap, self.work, tasks, hits, counts)
-            compare_pairs(self.pi, self.pf, self.cp, self.piece_start, n, gap, tree, pairs, self.work, tasks, hits, counts)
+            compare_pairs(
+                self.pi, self.pf, self.cp, self.piece_start, n, gap, tree, pairs, self.work, tasks, hits, counts
+            )
             found, planned = counts.tolist()
             if planned <= capacity or capacity >= TASK_LIMIT:
                 break
@@ -126,7 +132,7 @@ def frame_of(cp: NDArray[np.float64], largest: float) -> Frame:
     size = float((high - low).max())
     centre = low + 0.5 * (high - low)
     scale = math.ldexp(1.0, -math.frexp(size)[1]) if size > 0.0 else 1.0
-    gap = max(TOUCH, TOUCH_ULPS * math.ulp(largest) * scale)
+    gap = max(TOUCH * size, TOUCH_ULPS * math.ulp(largest)) * scale
     return Frame((float(centre[0]), float(centre[1])), scale, size, gap)
 
 

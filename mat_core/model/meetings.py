@@ -17,12 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from mat_core.errors import Problem
-from mat_core.kernels import intersect, outline as columns
+from mat_core.kernels import intersect
+from mat_core.kernels import outline as columns
 from mat_core.kernels.bezier import point
 from mat_core.model.loop import Outline
 from mat_core.model.reading import Draft, edge_pointer, loop_pointer
 
-RADII = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)  # normalised
+RADII = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)  # normalised
 CLEAR = 8.0  # gaps by which branches must part on a circle to be put in order
 SAME_PLACE = 1e-6  # normalised: hits nearer than this on the same loops are one meeting
 SAME_SHAPE = 1e-9  # relative: box and area of a loop given twice
@@ -107,7 +108,7 @@ def branches_cross(outline: Outline, pieces: tuple[int, int], t: tuple[float, fl
 def leave_circle(
     outline: Outline, piece: int, t: float, direction: int, centre: tuple[float, float], radius: float
 ) -> tuple[float, float] | None:
-    """Where the boundary, followed from a place in one direction, first leaves a circle; None if the loop never does."""
+    """Where the boundary, followed from a place in one direction, first leaves a circle; None if it never does."""
     loop = int(outline.pi[piece, columns.LOOP])
     first, last = int(outline.piece_start[loop]), int(outline.piece_start[loop + 1])
 
@@ -143,9 +144,7 @@ def same_loop(outline: Outline, a: int, b: int) -> bool:
     ) <= SAME_SHAPE * max(area_a, area_b)
 
 
-def meeting_problems(
-    outline: Outline, draft: Draft, meetings: list[Meeting], flat: set[int]
-) -> Iterator[Problem]:
+def meeting_problems(outline: Outline, draft: Draft, meetings: list[Meeting], flat: set[int]) -> Iterator[Problem]:
     """One problem for each meeting; a loop given twice is one problem; loops without area have theirs already."""
     twins: dict[tuple[int, int], bool] = {}
     for meeting in meetings:

@@ -104,8 +104,8 @@ def check(obj: object, limit: int) -> Checked:
         problems.extend(meeting_problems(outline, draft, meetings, flat))
         problems.extend(nesting_problems(outline, draft, meetings, flat))
         if not complete:
-            text = "there are more meetings of the boundary with itself than are looked at; mend those listed first"
-            problems.append(Problem("too-complex", "", text))
+            text = "the boundary meets itself in more places than are listed; mend these first"
+            raise InvalidDomain([*_sorted(problems), Problem(problems[-1].code, "", text)])
     if problems:
         raise InvalidDomain(_sorted(problems))
     runs_left = outline.measures[:, 0] > 0.0
@@ -161,8 +161,12 @@ class SplineRule(NamedTuple):
 
 
 SPLINE_RULES = {
-    rule.POINT_NOT_FINITE: SplineRule("non-finite", "control_points", "coordinate is not a finite number; give numbers only"),
-    rule.POINT_TOO_LARGE: SplineRule("out-of-range", "control_points", f"coordinate is beyond {LARGEST:g}; scale the domain"),
+    rule.POINT_NOT_FINITE: SplineRule(
+        "non-finite", "control_points", "coordinate is not a finite number; give numbers only"
+    ),
+    rule.POINT_TOO_LARGE: SplineRule(
+        "out-of-range", "control_points", f"coordinate is beyond {LARGEST:g}; scale the domain"
+    ),
     rule.WEIGHT_NOT_FINITE: SplineRule("non-finite", "weights", "weight is not a finite number; give positive numbers"),
     rule.WEIGHT_NOT_POSITIVE: SplineRule(
         "non-positive-weight", "weights", "weight is not positive; weights must be greater than 0"
@@ -171,17 +175,27 @@ SPLINE_RULES = {
         "out-of-range", "weights", f"largest weight is over {WIDEST:g} times the smallest; split or refit the curve"
     ),
     rule.KNOT_NOT_FINITE: SplineRule("non-finite", "knots", "knot is not a finite number; give numbers only"),
-    rule.KNOTS_DECREASE: SplineRule("invalid-spline", "knots", "knots decrease here; each must be at least the one before"),
+    rule.KNOTS_DECREASE: SplineRule(
+        "invalid-spline", "knots", "knots decrease here; each must be at least the one before"
+    ),
     rule.NOT_CLAMPED_START: SplineRule(
         "invalid-spline", "knots", "first knot must appear exactly degree + 1 times; clamp the curve"
     ),
-    rule.NOT_CLAMPED_END: SplineRule("invalid-spline", "knots", "last knot must appear exactly degree + 1 times; clamp the curve"),
-    rule.RANGE_EMPTY: SplineRule("invalid-spline", "knots", "parameter range is empty or infinite; the knots must span an interval"),
-    rule.KNOT_TOO_MANY: SplineRule("invalid-spline", "knots", "inner knot appears more than degree + 1 times; remove some"),
+    rule.NOT_CLAMPED_END: SplineRule(
+        "invalid-spline", "knots", "last knot must appear exactly degree + 1 times; clamp the curve"
+    ),
+    rule.RANGE_EMPTY: SplineRule(
+        "invalid-spline", "knots", "parameter range is empty or infinite; the knots must span an interval"
+    ),
+    rule.KNOT_TOO_MANY: SplineRule(
+        "invalid-spline", "knots", "inner knot appears more than degree + 1 times; remove some"
+    ),
     rule.CURVE_JUMPS: SplineRule(
         "invalid-spline", "knots", "curve jumps at this knot (degree + 1 times); split the edge here or close the gap"
     ),
-    rule.ZERO_LENGTH: SplineRule("zero-length-edge", "", "all control points coincide: an edge without length; remove it"),
+    rule.ZERO_LENGTH: SplineRule(
+        "zero-length-edge", "", "all control points coincide: an edge without length; remove it"
+    ),
 }
 
 
@@ -264,25 +278,25 @@ def join_problems(draft: Draft, sound: NDArray[np.bool_], join: float, use: NDAr
 
 
 def flat_loops(outline: Outline, meetings: list[Meeting]) -> Iterator[int]:
-    """Loops in use whose mean width is nothing. One that truly crosses itself may have no net area and yet enclose some."""
+    """Loops in use without mean width; one that truly crosses itself may have no net area and yet enclose some."""
     crossing = {m.loops[0] for m in meetings if m.loops[0] == m.loops[1] and m.crosses}
     for loop, (area, length) in enumerate(outline.measures[:, :2].tolist()):
-        if outline.piece_start[loop] < outline.piece_start[loop + 1] and loop not in crossing:
-            if abs(area) <= FLATTEST * outline.frame.gap * length:
-                yield loop
+        used = outline.piece_start[loop] < outline.piece_start[loop + 1]
+        if used and loop not in crossing and abs(area) <= FLATTEST * outline.frame.gap * length:
+            yield loop
 
 
 def area_problems(flat: set[int]) -> Iterator[Problem]:
     """A problem for each loop without area."""
     for loop in sorted(flat):
-        text = f"{name_of(loop)} encloses no area: it runs back along itself. Give a loop with an inside, or leave it out"
+        text = (
+            f"{name_of(loop)} encloses no area: it runs back along itself. Give a loop with an inside, or leave it out"
+        )
         yield Problem("empty-domain", loop_pointer(loop), text, loop)
 
 
-def nesting_problems(
-    outline: Outline, draft: Draft, meetings: list[Meeting], flat: set[int]
-) -> Iterator[Problem]:
-    """Holes inside the outer loop, none inside another; silent on loops that meet, have no area, or could not be used."""
+def nesting_problems(outline: Outline, draft: Draft, meetings: list[Meeting], flat: set[int]) -> Iterator[Problem]:
+    """Holes inside the outer loop, none inside another; silent on loops that meet, are flat, or could not be used."""
     used = outline.piece_start[1:] > outline.piece_start[:-1]
     if not used[1:].any():
         return
@@ -296,7 +310,9 @@ def nesting_problems(
         at = loop_pointer(hole)
         if used[0] and 0 not in flat and (0, hole) not in met and not nest[hole, 0]:
             how = "encloses the outer loop" if nest[hole, 1] else "lies outside the outer loop"
-            text = f"hole {hole - 1} {how}, at ({x:.9g}, {y:.9g}); holes must lie inside. Move it, or make it the outer loop"
+            text = (
+                f"hole {hole - 1} {how}, at ({x:.9g}, {y:.9g}); it must lie inside. Move it, or make it the outer loop"
+            )
             yield Problem("hole-outside", at, text, hole, None, None, x, y, "/outer")
         around = int(nest[hole, 2])
         if around > 0 and around not in flat and (min(hole, around), max(hole, around)) not in met:

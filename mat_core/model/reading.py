@@ -1,7 +1,7 @@
 """From the JSON object to flat arrays: types, keys and counts, nothing about geometry.
 
-A well-formed object takes the short way: its numbers are gathered in a few passes over flat lists. Only when something is
-out of place is every edge looked at by itself, to name each fault and to keep the edges that are sound.
+A well-formed object takes the short way: its numbers are gathered in a few passes over flat lists. Only when something
+is out of place is every edge looked at by itself, to name each fault and to keep the edges that are sound.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ Edge = dict[str, Any]
 class Draft:
     """What could be read, with the faults of form found on the way.
 
-    `edge_of` (E,) is each edge's index in its loop of the document; a loop is `whole` when none of its edges was left out.
+    `edge_of` (E,) is each edge's index in its loop of the document; a loop is `whole` when none of its edges was left
+    out.
     """
 
     arrays: BoundaryArrays
@@ -77,7 +78,9 @@ def read(obj: object, limit: int = CONTROL_POINT_LIMIT) -> Draft:
         options = read_options(obj["options"], problems)
     total = sum(_count_points(edge) for loop in loops for edge in loop)
     if total > limit:
-        text = f"the boundary has {total} control points; at most {limit} are accepted. Simplify it, or cut it into parts"
+        text = (
+            f"the boundary has {total} control points; at most {limit} are accepted. Simplify it, or cut it into parts"
+        )
         problems.append(Problem("too-complex", "", text))
         loops = []
     if not problems:
@@ -102,7 +105,9 @@ def read(obj: object, limit: int = CONTROL_POINT_LIMIT) -> Draft:
 
 def _count_points(edge: object) -> int:
     points = edge.get("control_points") if isinstance(edge, Mapping) else None
-    return len(points) if isinstance(points, list | tuple | np.ndarray) and np.ndim(points[:0]) else 0
+    if isinstance(points, np.ndarray) and points.ndim == 0:
+        return 0
+    return len(points) if isinstance(points, list | tuple | np.ndarray) else 0
 
 
 def _read_loops(obj: object, problems: list[Problem]) -> list[list[Any]]:
@@ -222,7 +227,9 @@ def _read_edge(edge: object, loop: int, index: int, problems: list[Problem]) -> 
         return None
     for key in edge:
         if key not in EDGE_KEYS:
-            fault(pointer_to(at, key), f"unknown key {short(key)}; an edge has degree, control_points, knots and weights")
+            fault(
+                pointer_to(at, key), f"unknown key {short(key)}; an edge has degree, control_points, knots and weights"
+            )
     degree = _read_degree(edge, at, fault)
     points = _read_points(edge, at, fault)
     knots = _read_numbers(edge.get("knots"), f"{at}/knots", "knot", fault)
@@ -234,7 +241,9 @@ def _read_edge(edge: object, loop: int, index: int, problems: list[Problem]) -> 
         text = f"a curve of degree {degree} needs at least {degree + 1} control points, here are {n}"
         fault(f"{at}/control_points", text, "invalid-spline")
     elif knots is None and n != degree + 1:
-        text = f"knots may be left out only for {degree + 1} control points (a Bezier curve); here are {n}, give the knots"
+        text = (
+            f"knots may be left out only for {degree + 1} control points (a Bezier curve); here are {n}, give the knots"
+        )
         fault(f"{at}/knots", text, "invalid-spline")
     elif knots is not None and len(knots) != n + degree + 1:
         text = f"{n} control points of degree {degree} need {n + degree + 1} knots, here are {len(knots)}"
@@ -262,10 +271,11 @@ def _read_degree(edge: Mapping[Any, Any], at: str, fault: Fault) -> int | None:
     if isinstance(value, bool) or not isinstance(value, Integral):
         fault(f"{at}/degree", f"degree must be an integer, not {describe(value)}")
         return None
-    if not 1 <= value <= HIGHEST_DEGREE:
-        fault(f"{at}/degree", f"degree must be 1 to {HIGHEST_DEGREE}, not {short(int(value))}", "invalid-spline")
+    degree = int(value)
+    if not 1 <= degree <= HIGHEST_DEGREE:
+        fault(f"{at}/degree", f"degree must be 1 to {HIGHEST_DEGREE}, not {short(degree)}", "invalid-spline")
         return None
-    return int(value)
+    return degree
 
 
 def _read_points(edge: Mapping[Any, Any], at: str, fault: Fault) -> list[list[float]] | None:
@@ -382,9 +392,10 @@ def read_options(value: object, problems: list[Problem]) -> dict[str, Any]:
         elif given is None and key in {"step", "check_step"}:
             continue
         elif rule.accepts(given):
-            options[key] = given
+            options[key] = float(given) if key in FLOAT_OPTIONS else given
         else:
-            problems.append(Problem("invalid-request", f"/options/{key}", f"{key} must be {rule.asks}, not {describe(given)}"))
+            text = f"{key} must be {rule.asks}, not {describe(given)}"
+            problems.append(Problem("invalid-request", f"/options/{key}", text))
     return options
 
 
@@ -405,6 +416,7 @@ def _between(low: float, high: float) -> Callable[[Any], bool]:
 
 SMALLEST_TOLERANCE = 1e-12  # relative: rounding of the arithmetic itself leaves about 1e-14
 LARGEST_TOLERANCE = 0.1
+FLOAT_OPTIONS = frozenset({"tolerance", "step", "smooth_angle"})
 OPTION_RULES = {
     "tolerance": OptionRule(
         _between(SMALLEST_TOLERANCE, LARGEST_TOLERANCE), f"a number from {SMALLEST_TOLERANCE} to {LARGEST_TOLERANCE}"

@@ -1,8 +1,9 @@
 """The true axis point and both footpoints that belong to a point of a fitted curve.
 
-On a conic the footpoints are those of the centre on a line, arc or point. On a fitted piece they are found on the sampled side, where the
-true axis point X(s) lies in the plane through the curve's point that is square to the chord: (X(s) - X) . d = 0, by a bracketed secant
-method (Illinois). Centres of curvature need no care: there s moves like the square root of the distance.
+On a conic the footpoints are those of the centre on a line, arc or point. On a fitted piece they are found on the
+sampled side, where the true axis point X(s) lies in the plane through the curve's point that is square to the chord:
+(X(s) - X) . d = 0, by a bracketed secant method (Illinois). Centres of curvature need no care: there s moves like the
+square root of the distance.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ NEAR = 1e-15  # the plane is met when the point is this near to it (normalised)
 
 @jit
 def foot_on(si: Ints, sf: Floats, i: int, lo: float, hi: float, x: float, y: float) -> float:
-    """s of the point of a LINE, ARC or FAN nearest to the centre (x, y), kept in [lo, hi]."""
+    """Parameter of the point of a LINE, ARC or FAN nearest to the centre (x, y), kept in [lo, hi]."""
     gx = x - sf[i, X0]
     gy = y - sf[i, Y0]
     tx = sf[i, TX0]
@@ -59,10 +60,13 @@ def foot_on(si: Ints, sf: Floats, i: int, lo: float, hi: float, x: float, y: flo
 
 @jit
 def _plane_root(
-    si: Ints, sf: Floats, cp: Floats, i: int, s0: float, s1: float, j: int, lo: float, hi: float, x: float, y: float, r: float,
-    share: float, ends: Floats, out: Floats,
+    si: Ints, sf: Floats, cp: Floats, i: int, s0: float, s1: float, j: int, lo: float, hi: float, x: float, y: float,
+    r: float, share: float, ends: Floats, out: Floats,
 ) -> None:
-    """x, y, r, s, s_j of the axis point between s0 and s1 on side i in the plane through (x, y, r) square to the chord `ends` (6,)."""
+    """`out` = x, y, r, s, s_j of the axis point between s0 and s1 on side i that lies in a plane square to the chord.
+
+    That plane goes through (x, y, r); `ends` (6,) are the two discs of the chord.
+    """
     dx = ends[3] - ends[0]
     dy = ends[4] - ends[1]
     dr = ends[5] - ends[2]
@@ -110,9 +114,9 @@ def _plane_root(
 
 @jit
 def _on_fit(
-    si: Ints, sf: Floats, cp: Floats, a: int, b: int, strip_s: Floats, strip: int, side: int, s0: float, s1: float, share: float,
-    degree: int, knots: Floats, k0: int, k1: int, curve: Floats, c0: int, part_f: Floats, part: int, point: Floats,
-    work: Floats, ends: Floats, found: Floats,
+    si: Ints, sf: Floats, cp: Floats, a: int, b: int, strip_s: Floats, strip: int, side: int, s0: float, s1: float,
+    share: float, degree: int, knots: Floats, k0: int, k1: int, curve: Floats, c0: int, part_f: Floats, part: int,
+    point: Floats, work: Floats, ends: Floats, found: Floats,
 ) -> None:
     """`found` = x, y, r, s, s_j of the axis point beside `point` on a fitted piece."""
     x = point[0]
@@ -131,16 +135,13 @@ def _on_fit(
 @jit
 def locate(
     si: Ints, sf: Floats, cp: Floats, strip_i: Ints, strip_s: Floats, degree: Ints, knot_start: Ints, knots: Floats,
-    cp_start: Ints, curve: Floats, max_error: Floats, part_start: Ints, part_i: Ints, part_f: Floats, segment: Ints, t: Floats, work: Floats,
-    located: Floats, sites: Ints,
+    cp_start: Ints, curve: Floats, max_error: Floats, part_start: Ints, part_i: Ints, part_f: Floats, segment: Ints,
+    t: Floats, work: Floats, point: Floats, ends: Floats, found: Floats, located: Floats, sites: Ints,
 ) -> None:
-    """True axis points for t[n] on segment[n]: `located` (5, n) x, y, r, s right, s left; `sites` (2, n) right, left site.
+    """True axis points for t[n] on segment[n]: `located` (5, n) x, y, r, s right, s left; `sites` (2, n) right, left.
 
-    Right and left are as seen in the direction of increasing t.
+    Right and left are as seen in the direction of increasing t. `point`, `ends` (6,) and `found` (5,) are scratch.
     """
-    point = np.empty(6)
-    ends = np.empty(6)
-    found = np.empty(5)
     for n in range(t.shape[0]):
         g = segment[n]
         lo = part_start[g]

@@ -59,7 +59,8 @@ SEGMENTS: dict[str, set[str]] = {
 @pytest.mark.parametrize("name", sorted(CATALOGUE))
 def test_truth(name: str, solve: Solve) -> None:
     domain = CATALOGUE[name]()
-    assert_truth(domain, solve(domain))
+    assert_truth(domain, solve(domain), 1e-6)
+    assert_truth(domain, solve(domain, tolerance=5e-10))
 
 
 @pytest.mark.parametrize("name", sorted(KINDS))

@@ -1,0 +1,1 @@
+"""Tests of the ways out: the answer document and the picture."""
