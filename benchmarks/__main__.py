@@ -18,7 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from mat_core import Domain, medial_axis, pipeline
+from mat_core import Domain, MatError, medial_axis, pipeline
 from tests.families import CATALOGUE, comb, gear, hole_grid, ngon, polygon_random, smooth, star_shaped
 
 Json = dict[str, Any]
@@ -132,7 +132,11 @@ def main() -> None:
         before: tuple[int, float] | None = None
         for n in sizes if chosen.only in name else ():
             domain = build(n)
-            figures = run(domain, stages, 3 if n > 100 else chosen.repeat)
+            try:
+                figures = run(domain, stages, 3 if n > 100 else chosen.repeat)
+            except MatError as error:
+                print(f"{name} ({edges(domain)}): {error}")
+                continue
             count, spent = edges(domain), figures["medial_axis"]
             growth = "" if before is None else f"x{math.log(spent / before[1]) / math.log(count / before[0]):.2f}"
             show(f"{name} ({count})", figures, growth)

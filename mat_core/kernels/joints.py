@@ -111,7 +111,7 @@ def distance_to(rows: Floats, c: int, p: int, x: float, y: float) -> float:
 
 @jit
 def thickness(rows: Floats, p: int, q: int, limit: float) -> float:
-    """Largest distance of SAMPLES points of the shorter of blocks 0 and BLOCK from the other; any value over `limit` ends it."""
+    """How far the shorter of blocks 0 and BLOCK strays from the other, at SAMPLES points; stops beyond `limit`."""
     la = math.hypot(rows[p, 0] - rows[0, 0], rows[p, 1] - rows[0, 1])
     lb = math.hypot(rows[BLOCK + q, 0] - rows[BLOCK, 0], rows[BLOCK + q, 1] - rows[BLOCK, 1])
     c = 0 if la <= lb else BLOCK

@@ -27,6 +27,8 @@ CURVE_JUMPS = 11
 ZERO_LENGTH = 12
 RULES = 13
 
+HALF_RANGE = 8e307  # half of a parameter range that still is a float
+
 
 @jit
 def check_points(cp: Floats, first: int, last: int, largest: float, rounding: float, broken: Ints, e: int) -> None:
@@ -80,7 +82,7 @@ def check_knots(
         return
     start = knots[k0]
     end = knots[k0 + nk - 1]
-    if not end > start or not math.isfinite(end - start):
+    if not end > start or 0.5 * end - 0.5 * start > HALF_RANGE:
         broken[e, RANGE_EMPTY] = 0
         return
     if knots[k0 + degree] != start or knots[k0 + degree + 1] == start:

@@ -333,8 +333,9 @@ def solve_faces(si, sf, cp, tie, face_start, stack_i, stack_f, disc, n_discs, di
                 contacts_s[first + 1] = min(contacts_s[first + 1], contacts_s[node_first[m] - 1])
             for c in range(first, node_first[m + 1]):
                 disc_of[n_contacts] = n_discs + m
-                contact_site[n_contacts] = w_i[contacts_i[c], 0]
-                contact_s[n_contacts] = contacts_s[c]
+                at_end = contacts_s[c] >= 1.0
+                contact_site[n_contacts] = si[w_i[contacts_i[c], 0], NEXT] if at_end else w_i[contacts_i[c], 0]
+                contact_s[n_contacts] = 0.0 if at_end else contacts_s[c]
                 n_contacts += 1
         # strips on arc 0
         lo = w_f[0, 0]
