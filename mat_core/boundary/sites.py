@@ -174,7 +174,7 @@ def _fill_fan(site, before, after, turn, si, sf):
     si[site, KIND] = FAN
     si[site, V1] = si[after, V0]
     si[site, V0] = si[after, V0]
-    si[site, CORNER] = SMOOTH_JOINT
+    si[site, CORNER] = CONVEX_VERTEX if sf[before, K1] == math.inf else SMOOTH_JOINT
     x = sf[after, X0]
     y = sf[after, Y0]
     sf[site, X0] = sf[site, X1] = sf[site, XMIN] = sf[site, XMAX] = x
@@ -221,9 +221,8 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, noise, s
                 turn = math.pi if cusp_is_convex(si, sf, cp, a, b) else -math.pi
             elif abs(turn) <= smooth_angle or (same_bezier and abs(turn) < 0.1):
                 turn = 0.0
-                if sf[a, K1] == math.inf or sf[b, K0] == math.inf:
-                    si[b, CORNER] = CONVEX_VERTEX
-            if turn > 0.0:
+            # a curvature that grows without bound towards its end is a leaf of radius 0 there, like a convex corner
+            if turn > 0.0 or sf[b, K0] == math.inf or (turn == 0.0 and sf[a, K1] == math.inf):
                 si[b, CORNER] = CONVEX_VERTEX
             turns[p] = turn
             if turn < 0.0:
