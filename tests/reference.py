@@ -28,6 +28,7 @@ Ints = NDArray[np.int64]
 
 CELL_LENGTH = 1 / 150  # longest cell, in units of the domain's larger side: thousands of cells a shape
 CELL_SAG = 0.008  # sag / chord of a cell: about 4 degrees of turning
+CELL_LEGS = 3.0  # longest / shortest leg of a cell's control polygon: short handles hide sharp bends
 DEEPEST = 34  # halvings of a span: below this a cell is at rounding level
 GRID = 9  # parameters per cell where the sign of the derivative of the distance is looked at
 TIE = 1e-14  # distances closer than this are taken as equal
@@ -141,11 +142,14 @@ class CurveSet:
         return np.asarray(np.max(np.linalg.norm(p - _closest_on_chords(p, p[:, :1], p[:, -1:]), axis=2), axis=1))
 
     def _halve(self, cell_length: float) -> bool:
-        """Halve the cells that are too long or too bent; False when there were none."""
+        """Halve the cells that are too long, too bent or too uneven; False when there were none."""
         p = self._project(self.control)
         chord = np.linalg.norm(p[:, -1] - p[:, 0], axis=1)
-        length = np.sum(np.linalg.norm(np.diff(p, axis=1), axis=2), axis=1)
-        bad = (length > cell_length) | ((self._sag() > CELL_SAG * chord) & (length > 1e-11))
+        legs = np.linalg.norm(np.diff(p, axis=1), axis=2)
+        length = np.sum(legs, axis=1)
+        uneven = legs.max(axis=1) > CELL_LEGS * legs.min(axis=1)
+        bent = self._sag() > CELL_SAG * chord
+        bad = (length > cell_length) | (uneven & (length > 1e-9)) | (bent & (length > 1e-11))
         if not bad.any():
             return False
         left, right, d = [self.control[bad][:, 0]], [self.control[bad][:, -1]], self.control[bad]
@@ -212,8 +216,9 @@ class CurveSet:
         step = np.float64(1.0 / (GRID - 1))
         s = self._refine(cell[row], p[row], j * step, (j + 1) * step)
         at0, at1 = np.nonzero(g[:, 0] >= 0)[0], np.nonzero(g[:, -1] <= 0)[0]
-        rows = np.concatenate([row, at0, at1])
-        s = np.concatenate([s, np.zeros(len(at0)), np.ones(len(at1))])
+        dip, dip_s = self._dips(cell, p, at0, at1)
+        rows = np.concatenate([row, at0, at1, dip])
+        s = np.concatenate([s, np.zeros(len(at0)), np.ones(len(at1)), dip_s])
         q, cell = q[rows], cell[rows]
         point = self.evaluate(cell, s)[0]
         distance = np.linalg.norm(point - queries[q], axis=1)
@@ -221,6 +226,25 @@ class CurveSet:
         np.minimum.at(best, q, distance)
         near = distance <= best[q] + slack[q] + 1e-13
         return best, Contacts(q[near], cell[near], s[near], point[near], distance[near])
+
+    def _dips(self, cell: Ints, p: Floats, at0: Ints, at1: Ints) -> tuple[Ints, Floats]:
+        """Minima between a cell's end and the next grid point, where k r > 1 at the end: rows and parameters.
+
+        Where curvature falls fast from a joint, the second contact of a disc may be much closer to it than the grid.
+        """
+        rows, ends = np.concatenate([at0, at1]), np.concatenate([np.zeros(len(at0)), np.ones(len(at1))])
+        c, c1, c2 = self.evaluate(cell[rows], ends)
+        concave = np.sum(c1 * c1, axis=1) + np.sum((c - p[rows]) * c2, axis=1) < 0
+        rows, ends = rows[concave], ends[concave]
+        away = np.concatenate([[0.0], 2.0 ** np.arange(-30, 1) / (GRID - 1)])
+        s = np.abs(ends[:, None] - away)
+        flat = np.repeat(cell[rows], len(away)), s.ravel()
+        c, c1, _ = (v.reshape(len(rows), len(away), v.shape[1]) for v in self.evaluate(*flat))
+        inward = np.where(ends == 0, 1.0, -1.0)
+        g = np.sum((c - p[rows][:, None]) * c1, axis=2) * inward[:, None]
+        i, j = np.nonzero((g[:, :-1] < 0) & (g[:, 1:] >= 0))
+        a, b = s[i, j], s[i, j + 1]
+        return rows[i], self._refine(cell[rows[i]], p[rows[i]], np.minimum(a, b), np.maximum(a, b))
 
     def _refine(self, cell: Ints, p: Floats, lo: Floats, hi: Floats) -> Floats:
         """Root of (C(s) - p).C'(s) in [lo, hi] by Newton, bisecting whenever it would leave the bracket."""

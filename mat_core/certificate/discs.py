@@ -13,105 +13,126 @@ good as either, and such a disc may be reached into by r angle^2; both are grant
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from mat_core.certificate.report import DISCS_EMPTY, DISCS_TOUCHING, PARTNERS_LEFT, PARTNERS_RIGHT, note
+import numpy as np
+
+from mat_core.boundary.sites import SiteTable
+from mat_core.certificate.coverage import Owned
+from mat_core.certificate.inputs import Discs, Floats, Ints
+from mat_core.certificate.report import Report
 from mat_core.kernels.jit import jit
+from mat_core.kernels.judge import balls, frames_at
 from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, FAN, KIND, NEXT, PREV, TX0, TX1, TY0, TY1
 
-RIGHT_SAMPLE, LEFT_SAMPLE = 0.44, 0.59  # where inside a strip discs are found anew
+SAMPLES = (0.44, 0.59)  # where in a strip, on its right and on its left side, discs are found anew
+SAME_DISC = 1e-9  # a strip between discs nearer than this has no inside to look at
+
+
+class Found(NamedTuple):
+    """Discs found anew, first all from right sides, then all from left sides.
+
+    strip; disc (n, 3); on the other side the site, s, and the foot's frame x, y, tx, ty.
+    """
+
+    strip: Ints
+    disc: Floats
+    other: Ints
+    s: Floats
+    partner: Floats
 
 
 @jit
-def _missed(si, sf, i, s, dx, dy, tx, ty, r):
-    """Distance of a disc's centre from foot + r n, for a foot at s on site i with tangent t, (dx, dy) away from the centre.
+def missed(si, sf, site, s, frame, which, disc, off):
+    """Distance of the centre of disc which[n] from foot + r n, for a foot with frame x, y, tx, ty at s on a site, to off[n].
 
     At a smooth joint any normal between those of both pieces will do.
     """
-    off = math.hypot(dx - r * ty, dy + r * tx)
-    if 0.0 < s < 1.0 or si[i, KIND] == FAN:
-        return off
-    at_end = s >= 1.0
-    other = si[i, NEXT] if at_end else si[i, PREV]
-    joint = other if at_end else i
-    if si[other, KIND] == FAN or si[joint, CORNER] == CONVEX_VERTEX:
-        return off
-    ux = sf[other, TX0] if at_end else sf[other, TX1]
-    uy = sf[other, TY0] if at_end else sf[other, TY1]
-    between = (tx * dx + ty * dy) * (ux * dx + uy * dy) <= 0.0 and tx * ux + ty * uy > 0.0 and tx * dy - ty * dx < 0.0
-    return min(off, abs(math.hypot(dx, dy) - r) if between else math.hypot(dx - r * uy, dy + r * ux))
-
-
-@jit
-def check_touching(si, sf, turn, disc, place_i, place_s, place_disc, frame, count, disc_slack, report):
-    """Discs touch at their contacts and at the ends of their strips: the first `count` places.
-
-    Fills disc_slack (D,): what is granted to emptiness because of joints that are not quite smooth.
-    """
-    for d in range(disc.shape[0]):
-        disc_slack[d] = 0.0
-    for n in range(count):
-        i = place_i[n]
-        d = place_disc[n]
-        x = disc[d, 0]
-        y = disc[d, 1]
-        off = _missed(si, sf, i, place_s[n], frame[n, 0] - x, frame[n, 1] - y, frame[n, 2], frame[n, 3], disc[d, 2])
-        note(report, DISCS_TOUCHING, off, x, y)
-        angle = max(turn[i], turn[si[i, NEXT]])
-        disc_slack[d] = max(disc_slack[d], disc[d, 2] * angle * angle)
-
-
-@jit
-def list_balls(disc, strip_i, strip_s, sample, same_disc, place_i, place_s, job_i, job_s, job_strip):
-    """Two discs to be found anew in every strip that has an inside; returns how many.
-
-    Footpoints go to the places from row `sample` on; job_i, job_s as `mat_core.kernels.judge.balls` wants them; job_strip: the strip
-    and the row of the report.
-    """
-    jobs = 0
-    for m in range(strip_i.shape[0]):
-        d0 = strip_i[m, 2]
-        d1 = strip_i[m, 3]
-        a0 = strip_s[m, 0]
-        a1 = strip_s[m, 1]
-        b1 = strip_s[m, 2]
-        b0 = strip_s[m, 3]
-        apart = abs(disc[d1, 0] - disc[d0, 0]) + abs(disc[d1, 1] - disc[d0, 1]) + abs(disc[d1, 2] - disc[d0, 2])
-        if apart <= same_disc and a1 - a0 < 0.5 and b1 - b0 < 0.5:
+    for n in range(site.shape[0]):
+        i = site[n]
+        r = disc[which[n], 2]
+        dx = frame[n, 0] - disc[which[n], 0]
+        dy = frame[n, 1] - disc[which[n], 1]
+        tx = frame[n, 2]
+        ty = frame[n, 3]
+        off[n] = math.sqrt((dx - r * ty) * (dx - r * ty) + (dy + r * tx) * (dy + r * tx))
+        at_end = s[n] >= 1.0
+        if not at_end and s[n] > 0.0:
             continue
-        for side in range(2):
-            place = sample + jobs
-            place_i[place] = strip_i[m, side]
-            place_s[place] = b0 + LEFT_SAMPLE * (b1 - b0) if side else a0 + RIGHT_SAMPLE * (a1 - a0)
-            job_i[jobs, 0] = place
-            job_i[jobs, 1] = strip_i[m, 1 - side]
-            job_s[jobs, 0] = a0 if side else b0
-            job_s[jobs, 1] = a1 if side else b1
-            job_s[jobs, 2] = 0.5 * (disc[d0, 2] + disc[d1, 2])
-            job_strip[jobs, 0] = m
-            job_strip[jobs, 1] = PARTNERS_LEFT if side else PARTNERS_RIGHT
-            jobs += 1
-    return jobs
+        other = si[i, NEXT] if at_end else si[i, PREV]
+        joint = other if at_end else i
+        if si[i, KIND] == FAN or si[other, KIND] == FAN or si[joint, CORNER] == CONVEX_VERTEX:
+            continue
+        ux = sf[other, TX0] if at_end else sf[other, TX1]
+        uy = sf[other, TY0] if at_end else sf[other, TY1]
+        across = (tx * dx + ty * dy) * (ux * dx + uy * dy) <= 0.0
+        if across and tx * ux + ty * uy > 0.0 and tx * dy - ty * dx < 0.0:
+            either = abs(math.sqrt(dx * dx + dy * dy) - r)
+        else:
+            either = math.sqrt((dx - r * uy) * (dx - r * uy) + (dy + r * ux) * (dy + r * ux))
+        if either < off[n]:
+            off[n] = either
 
 
-@jit
-def check_discs(si, sf, disc, strip_i, disc_slack, strip_slack, jobs, job_i, job_strip, partner, probe, depth, report):
-    """Depths of discs (first rows of `probe`) and of those found anew (next rows), and whether these touch the other side.
+def check_touching(t: SiteTable, skeleton: Discs, owned: Owned, turn: Floats, report: Report) -> Floats:
+    """Discs touch at their contacts and at both ends of every owned interval; returns what is granted to each one's emptiness."""
+    disc = skeleton.disc
+    owner = np.repeat(np.arange(len(disc)), np.diff(skeleton.contact_start))
+    site = np.concatenate((skeleton.contact_site, owned.site, owned.site))
+    s = np.concatenate((skeleton.contact_s, owned.lo, owned.hi))
+    which = np.concatenate((owner, owned.disc_lo, owned.disc_hi))
+    frame = np.empty((len(site), 4))
+    frames_at(t.si, t.sf, t.cp, site, s, frame)
+    off = np.empty(len(site))
+    missed(t.si, t.sf, site, s, frame, which, disc, off)
+    report.worst("discs_touching", off, disc[which])
+    angle = np.zeros(len(disc))
+    np.maximum.at(angle, which, np.maximum(turn[site], turn[t.si[site, NEXT]]))
+    return disc[:, 2] * angle * angle
 
-    Fills strip_slack (S,): what is granted inside a strip.
-    """
-    discs = disc.shape[0]
-    for d in range(discs):
-        note(report, DISCS_EMPTY, depth[d] - disc_slack[d] if disc[d, 2] >= 0.0 else math.inf, disc[d, 0], disc[d, 1])
-    for m in range(strip_i.shape[0]):
-        strip_slack[m] = max(disc_slack[strip_i[m, 2]], disc_slack[strip_i[m, 3]])
-    for n in range(jobs):
-        row = job_strip[n, 1]
-        x = probe[discs + n, 0]
-        y = probe[discs + n, 1]
-        off = _missed(si, sf, job_i[n, 1], partner[n, 0], partner[n, 1] - x, partner[n, 2] - y, partner[n, 3], partner[n, 4],
-                      probe[discs + n, 2])
-        if off != off or depth[discs + n] == math.inf:
-            off = math.inf
-            x = partner[n, 1]
-            y = partner[n, 2]
-        note(report, row, max(off, depth[discs + n] - strip_slack[job_strip[n, 0]]), x, y)
+
+def find_anew(t: SiteTable, skeleton: Discs) -> Found:
+    """One disc from either side of every strip that has an inside."""
+    disc, strip_i, strip_s = skeleton.disc, skeleton.strip_i, skeleton.strip_s
+    d0 = disc[strip_i[:, 2]]
+    d1 = disc[strip_i[:, 3]]
+    far = np.abs(d1 - d0).max(axis=1) > SAME_DISC
+    long = (strip_s[:, 1] - strip_s[:, 0] > 0.5) | (strip_s[:, 2] - strip_s[:, 3] > 0.5)
+    rows = np.flatnonzero(far | long)
+    n = len(rows)
+    i = strip_i[rows]
+    a0, a1, b1, b0 = strip_s[rows].T
+    site = np.concatenate((i[:, 0], i[:, 1]))
+    other = np.concatenate((i[:, 1], i[:, 0]))
+    s = np.concatenate((a0 + SAMPLES[0] * (a1 - a0), b0 + SAMPLES[1] * (b1 - b0)))
+    interval = np.empty((2 * n, 3))
+    interval[:n, 0] = b0
+    interval[:n, 1] = b1
+    interval[n:, 0] = a0
+    interval[n:, 1] = a1
+    radius = 0.5 * (d0[rows, 2] + d1[rows, 2])
+    interval[:n, 2] = interval[n:, 2] = radius
+    frame = np.empty((2 * n, 4))
+    frames_at(t.si, t.sf, t.cp, site, s, frame)
+    found = np.empty((2 * n, 3))
+    partner = np.empty((2 * n, 4))
+    balls(t.si, t.sf, t.cp, frame, other, interval, found, s, partner)
+    lost = ~(found[:, 2] < np.inf)
+    found[lost, :2] = frame[lost, :2]
+    return Found(np.concatenate((rows, rows)), found, other, s, partner)
+
+
+def check_discs(disc: Floats, depth: Floats, slack: Floats, report: Report) -> None:
+    """The discs handed in are empty."""
+    report.worst("discs_empty", np.where(disc[:, 2] >= 0.0, depth - slack, np.inf), disc)
+
+
+def check_partners(t: SiteTable, found: Found, depth: Floats, strip_slack: Floats, report: Report) -> None:
+    """The discs found anew are empty and touch the other side of their strip."""
+    figure = depth - strip_slack[found.strip]
+    off = np.empty(len(figure))
+    missed(t.si, t.sf, found.other, found.s, found.partner, np.arange(len(figure)), found.disc, off)
+    figure = np.maximum(figure, np.where(np.isfinite(off), off, np.inf))
+    half = len(figure) // 2
+    report.worst("partners_right", figure[:half], found.disc[:half])
+    report.worst("partners_left", figure[half:], found.disc[half:])

@@ -7,160 +7,141 @@ distance of c' from either side differs from r' by at most |c' - c| + |r' - r| <
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from mat_core.certificate.report import (
-    CURVES_CONTINUOUS, CURVES_EMPTY, CURVES_ENDS, CURVES_ON_AXIS, CURVES_TOLERANCE, note,
-)
-from mat_core.kernels.jit import jit
+import numpy as np
 
-SAMPLES = 3
+from mat_core.boundary.sites import SiteTable
+from mat_core.certificate.inputs import Curves, Discs, Floats, Ints, Network
+from mat_core.certificate.report import Report
+from mat_core.kernels.judge import distances, spline_values
+
+SAMPLES = np.array((0.057, 0.281, 0.473, 0.726, 0.894))  # of a piece; at places of no symmetry, so not at those of a fit
 GRANTED = math.sqrt(2.0)
 
 
-@jit
-def _fraction(k):
-    """Where pieces are sampled: at places of no symmetry, so not at those of a fit."""
-    return 0.131 if k == 0 else (0.473 if k == 1 else 0.826)
+class Sampled(NamedTuple):
+    """Discs of the curves (n, 3) with their segments and strips."""
+
+    disc: Floats
+    segment: Ints
+    strip: Ints
 
 
-@jit
-def rational_point(degree, knots, k0, k1, cp, c0, axes, t, work):
-    """Point of a rational B-spline to work[0, :axes], by de Boor's triangle in homogeneous coordinates.
-
-    Knots k0 .. k1 - 1; rows c0 .. of `cp` hold `axes` coordinates (not multiplied by it) and the weight.
-    """
-    span = k0 + degree
-    last = k1 - degree - 2
-    while last > span:
-        middle = (span + last + 1) // 2
-        if knots[middle] <= t:
-            span = middle
-        else:
-            last = middle - 1
-    for i in range(degree + 1):
-        row = c0 + span - k0 - degree + i
-        w = cp[row, axes]
-        for c in range(axes):
-            work[i, c] = w * cp[row, c]
-        work[i, axes] = w
-    for level in range(1, degree + 1):
-        for i in range(degree + 1 - level):
-            left = knots[span - degree + level + i]
-            share = (t - left) / (knots[span + 1 + i] - left)
-            for c in range(axes + 1):
-                work[i, c] += share * (work[i + 1, c] - work[i, c])
-    for c in range(axes):
-        work[0, c] /= work[0, axes]
-
-
-@jit
-def _apart(cp, row, disc, d):
-    """Distance of a control point from a disc, in (x, y, r)."""
-    dx = cp[row, 0] - disc[d, 0]
-    dy = cp[row, 1] - disc[d, 1]
-    dr = cp[row, 2] - disc[d, 2]
-    return math.sqrt(dx * dx + dy * dy + dr * dr)
+def check_shape(curves: Curves, graph: Network, report: Report) -> bool:
+    """Knots are clamped, rise from 0 to 1 and break nothing, weights are positive; whether the curves can be evaluated."""
+    c = curves
+    runs = len(c.degree)
+    if not runs:
+        for name in ("curves_tolerance", "curves_continuous"):
+            report.worst(name, np.empty(0), np.empty((0, 2)))
+        return False
+    first = c.cp_start[:-1]
+    place = c.cp[np.minimum(first, len(c.cp) - 1)]
+    report.worst("curves_tolerance", c.max_error, place)
+    k0 = c.knot_start[:-1]
+    k1 = c.knot_start[1:]
+    control = np.diff(c.cp_start)
+    sound = (c.degree >= 1) & (control > c.degree) & (k1 - k0 == control + c.degree + 1) & (c.max_error >= 0.0)
+    if sound.all():
+        p = c.degree
+        sound &= (c.knots[k0] == 0.0) & (c.knots[k0 + p] == 0.0) & (c.knots[k1 - p - 1] == 1.0) & (c.knots[k1 - 1] == 1.0)
+        falls = np.zeros(len(c.knots), dtype=np.int64)
+        falls[1:] = c.knots[1:] < c.knots[:-1]
+        falls[k0] = 0
+        sound &= (np.add.reduceat(falls, k0) == 0) & (np.minimum.reduceat(c.cp[:, 3], first) > 0.0)
+        sound &= _parts_follow(c)
+    report.worst("curves_continuous", np.where(sound, 0.0, np.inf), place)
+    if not sound.all():
+        return False
+    _check_jumps(c, report)
+    closed = np.flatnonzero(graph.start_node < 0)
+    gap = c.cp[c.cp_start[closed + 1] - 1, :3] - c.cp[first[closed], :3]
+    report.worst("curves_continuous", np.sqrt((gap * gap).sum(axis=1)), place[closed])
+    return True
 
 
-@jit
-def check_shape(degree, knot_start, knots, cp_start, cp, max_error, part_start, part_f, start_node, report):
-    """Knots are clamped, rise from 0 to 1 and break nothing; weights are positive; pieces follow each other; errors stated."""
-    for g in range(degree.shape[0]):
-        p = degree[g]
-        k0 = knot_start[g]
-        k1 = knot_start[g + 1]
-        c0 = cp_start[g]
-        c1 = cp_start[g + 1]
-        x = cp[c0, 0]
-        y = cp[c0, 1]
-        note(report, CURVES_TOLERANCE, max_error[g], x, y)
-        sound = c1 - c0 > p and k1 - k0 == c1 - c0 + p + 1 and knots[k0] == 0.0 and knots[k1 - 1] == 1.0 and max_error[g] >= 0.0
-        if sound:
-            sound = knots[k0 + p] == 0.0 and knots[k1 - p - 1] == 1.0
-            for k in range(k0 + 1, k1):
-                sound = sound and knots[k] >= knots[k - 1]
-            for c in range(c0, c1):
-                sound = sound and cp[c, 3] > 0.0
-        reached = 0.0
-        for m in range(part_start[g], part_start[g + 1]):
-            sound = sound and part_f[m, 0] == reached and part_f[m, 1] > reached
-            reached = part_f[m, 1]
-        if not sound or reached != 1.0:
-            note(report, CURVES_CONTINUOUS, math.inf, x, y)
-            continue
-        # an inner knot of multiplicity degree + 1 parts the curve between two control points
-        for k in range(k0 + p + 1, k1 - 2 * p - 1):
-            if knots[k] == knots[k + p]:
-                a = c0 + k - k0 - 1
-                gap = math.hypot(cp[a + 1, 0] - cp[a, 0], cp[a + 1, 1] - cp[a, 1]) + abs(cp[a + 1, 2] - cp[a, 2])
-                note(report, CURVES_CONTINUOUS, gap, cp[a, 0], cp[a, 1])
-        if start_node[g] < 0:
-            gap = math.hypot(cp[c1 - 1, 0] - x, cp[c1 - 1, 1] - y) + abs(cp[c1 - 1, 2] - cp[c0, 2])
-            note(report, CURVES_CONTINUOUS, gap, x, y)
+def _parts_follow(c: Curves) -> Floats:
+    """Whether the pieces of each segment cover [0, 1] one after the other."""
+    begin = c.part_f[:, 0]
+    end = c.part_f[:, 1]
+    first = c.part_start[:-1]
+    last = c.part_start[1:] - 1
+    if not (last >= first).all():
+        return last >= first
+    wrong = np.zeros(len(begin), dtype=np.int64)
+    wrong[1:] = begin[1:] != end[:-1]
+    wrong[first] = begin[first] != 0.0
+    wrong[last] += end[last] != 1.0
+    wrong += ~(end > begin)
+    return np.add.reduceat(wrong, first) == 0
 
 
-@jit
-def check_ends(disc, strip_i, node_disc, start_node, end_node, run_start, run_strip, run_forward, degree, knot_start, knots,
-               control_start, control, max_error, part_start, part_i, part_f, point, report):
+def _check_jumps(c: Curves, report: Report) -> None:
+    """An inner knot of multiplicity degree + 1 parts a curve between two control points."""
+    for p in np.flatnonzero(np.bincount(c.degree)).tolist():
+        row = np.flatnonzero(c.knots[p:] == c.knots[:-p])
+        segment = np.searchsorted(c.knot_start, row, side="right") - 1
+        inner = (c.degree[segment] == p) & (c.knots[row] > 0.0) & (c.knots[row] < 1.0) & (row + p < c.knot_start[segment + 1])
+        after = (c.cp_start[segment] + row - c.knot_start[segment])[inner]
+        gap = c.cp[after, :3] - c.cp[after - 1, :3]
+        report.worst("curves_continuous", np.sqrt((gap * gap).sum(axis=1)), c.cp[after])
+
+
+def _values(c: Curves, segment: Ints, t: Floats) -> Floats:
+    """Points x, y, r."""
+    out = np.empty((len(t), 3))
+    work = np.empty((int(c.degree.max()) + 1, 4))
+    spline_values(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, 3, segment, t, work, out)
+    return out
+
+
+def check_ends(skeleton: Discs, graph: Network, curves: Curves, report: Report) -> None:
     """Curves begin and end at the discs of their nodes, and pass the discs between their strips, which they take in order."""
-    for g in range(degree.shape[0]):
-        c0 = control_start[g]
-        if start_node[g] >= 0:
-            d = node_disc[start_node[g]]
-            note(report, CURVES_ENDS, _apart(control, c0, disc, d) - max_error[g], disc[d, 0], disc[d, 1])
-            d = node_disc[end_node[g]]
-            note(report, CURVES_ENDS, _apart(control, control_start[g + 1] - 1, disc, d) - max_error[g], disc[d, 0], disc[d, 1])
-        step = run_start[g] - 1
-        before = -1
-        for m in range(part_start[g], part_start[g + 1]):
-            strip = part_i[m, 1]
-            if strip != before:
-                step += 1
-                if step >= run_start[g + 1] or run_strip[step] != strip:
-                    note(report, CURVES_ENDS, math.inf, control[c0, 0], control[c0, 1])
-                    break
-                if before >= 0:
-                    d = strip_i[strip, 2 if run_forward[step] else 3]
-                    rational_point(degree[g], knots, knot_start[g], knot_start[g + 1], control, c0, 3, part_f[m, 0], point)
-                    note(report, CURVES_ENDS, _apart(point, 0, disc, d) - max_error[g], disc[d, 0], disc[d, 1])
-            before = strip
-        if step != run_start[g + 1] - 1:
-            note(report, CURVES_ENDS, math.inf, control[c0, 0], control[c0, 1])
+    disc, c = skeleton.disc, curves
+    segment = c.part_i[:, 0]
+    strip = c.part_i[:, 1]
+    new = np.ones(len(strip), dtype=np.bool_)
+    new[1:] = (strip[1:] != strip[:-1]) | (segment[1:] != segment[:-1])
+    entered = np.flatnonzero(new)
+    runs = np.repeat(np.arange(len(c.degree)), np.diff(graph.run_start))
+    of_parts = np.repeat(np.arange(len(c.degree)), np.diff(c.part_start))
+    if len(entered) != len(runs) or (strip[entered] != graph.run_strip).any() or (of_parts[entered] != runs).any():
+        report.worst("curves_ends", np.array((np.inf,)), c.cp)
+        return
+    ends = skeleton.strip_i[graph.run_strip, 2:]
+    forward = graph.run_forward
+    begin = np.where(forward, ends[:, 0], ends[:, 1])
+    last = graph.run_start[1:] - 1
+    stop = np.where(forward[last], ends[last, 1], ends[last, 0])
+    which = np.concatenate((begin, stop))
+    of = np.concatenate((runs, np.arange(len(last))))
+    t = np.concatenate((c.part_f[entered, 0], np.ones(len(last))))
+    off = _values(c, of, t) - disc[which]
+    report.worst("curves_ends", np.sqrt((off * off).sum(axis=1)) - c.max_error[of], disc[which])
 
 
-@jit
-def list_samples(strip_i, strip_s, degree, knot_start, knots, control_start, control, part_start, part_i, part_f, point, first,
-                 probe, side_site, side_interval, side_disc):
-    """Discs of the curves inside every piece: to `probe` from row `first` on, and twice to side_disc, for either side."""
-    n = 0
-    for g in range(degree.shape[0]):
-        for m in range(part_start[g], part_start[g + 1]):
-            strip = part_i[m, 1]
-            for k in range(SAMPLES):
-                t = part_f[m, 0] + _fraction(k) * (part_f[m, 1] - part_f[m, 0])
-                rational_point(degree[g], knots, knot_start[g], knot_start[g + 1], control, control_start[g], 3, t, point)
-                for side in range(2):
-                    row = 2 * n + side
-                    side_site[row] = strip_i[strip, side]
-                    side_interval[row, 0] = strip_s[strip, 3 * side]
-                    side_interval[row, 1] = strip_s[strip, 1 + side]
-                    side_interval[row, 2] = 0.5 * (side_interval[row, 0] + side_interval[row, 1])
-                    for c in range(3):
-                        side_disc[row, c] = probe[first + n, c] = point[0, c]
-                n += 1
+def sample(curves: Curves) -> Sampled:
+    """Discs of the curves inside every piece."""
+    c = curves
+    n = len(SAMPLES)
+    t = c.part_f[:, :1] + SAMPLES * (c.part_f[:, 1:2] - c.part_f[:, :1])
+    segment = np.repeat(np.repeat(np.arange(len(c.degree)), np.diff(c.part_start)), n)
+    return Sampled(_values(c, segment, t.ravel()), segment, np.repeat(c.part_i[:, 1], n))
 
 
-@jit
-def check_curves(degree, max_error, part_start, part_i, strip_slack, first, probe, depth, distance, report):
+def check_curves(
+    t: SiteTable, skeleton: Discs, curves: Curves, sampled: Sampled, depth: Floats, strip_slack: Floats, report: Report
+) -> None:
     """Samples of the curves touch either side of their strip, and the boundary stays out of them."""
-    n = 0
-    for g in range(degree.shape[0]):
-        for m in range(part_start[g], part_start[g + 1]):
-            granted = GRANTED * max_error[g] + strip_slack[part_i[m, 1]]
-            for _ in range(SAMPLES):
-                x = probe[first + n, 0]
-                y = probe[first + n, 1]
-                note(report, CURVES_ON_AXIS, distance[2 * n] - granted, x, y)
-                note(report, CURVES_ON_AXIS, distance[2 * n + 1] - granted, x, y)
-                note(report, CURVES_EMPTY, depth[first + n] - granted, x, y)
-                n += 1
+    granted = GRANTED * curves.max_error[sampled.segment] + strip_slack[sampled.strip]
+    s = skeleton.strip_s[sampled.strip]
+    distance = np.empty(len(granted))
+    for side in range(2):
+        interval = np.empty((len(granted), 3))
+        interval[:, 0] = s[:, 3 * side]
+        interval[:, 1] = s[:, 1 + side]
+        interval[:, 2] = 0.5 * (interval[:, 0] + interval[:, 1])
+        distances(t.si, t.sf, t.cp, skeleton.strip_i[sampled.strip, side], interval, sampled.disc, distance)
+        report.worst("curves_on_axis", distance - granted, sampled.disc)
+    report.worst("curves_empty", depth - granted, sampled.disc)

@@ -16,10 +16,10 @@ import re
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numba
-from numba.core import config
+from numba.core import config, types
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -77,7 +77,18 @@ def jit(function: F) -> F:
     configured = config.CACHE_DIR
     config.CACHE_DIR = str(cache_root() / fingerprint(Path(function.__code__.co_filename).resolve()))
     try:
-        compiled: F = numba.njit(cache=True, error_model="numpy", nogil=True, _nrt=False)(function)
+        compiled: F = numba.njit(cache=True, error_model="numpy", nogil=True, _nrt=False, no_cfunc_wrapper=True)(function)
     finally:
         config.CACHE_DIR = configured
+    _forget_literals(compiled)
     return compiled
+
+
+def _forget_literals(compiled: Any) -> None:
+    """Let kernels that call this one with a constant use the version for any number, instead of compiling one for each constant."""
+    resolve = compiled.get_call_template
+
+    def resolve_plain(args: Any, kws: Any) -> Any:
+        return resolve(tuple(types.unliteral(a) for a in args), {k: types.unliteral(a) for k, a in kws.items()})
+
+    compiled.get_call_template = resolve_plain

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.curve import bezier_frame, evaluate
+from mat_core.kernels.curve import bezier_frame, edge_parameter, evaluate
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import (
     ARC, CP0, DEG, FAN, K0, KIND, LINE, RATIONAL, SWEEP, TX0, TX1, TY0, TY1, X0, X1, Y0, Y1,
@@ -25,6 +25,7 @@ JUDGE_ROWS = HALVINGS + 6  # rows of the scratch table: three of points, then th
 _QX, _QY, _QW, _FIRST = 0, 1, 2, 3
 NOISE = 4e-15  # rounding of a coefficient of h, relative to the largest |q|^2
 NEWTON = 60  # steps of the bracketed Newton iterations; halving alone ends in as many
+INSET = 1e-3  # a first guess at an end is taken this share of the interval inside
 SETTLED = 1e-8  # a Newton step below this squares to rounding
 RETRIES = 6  # first guesses for a local foot
 CLOSE = 1e-10  # a foot this near to where a disc should touch is the one that was looked for
@@ -32,15 +33,6 @@ BALL_STEPS = 40  # of the shrinking ball; five are usual
 BALL_SETTLED = 1e-14  # relative change of the radius that ends the iteration
 GROWTHS = 12  # doublings of the first radius until the ball meets the other side
 FIRST_RADIUS = 1e-3  # where none is known
-
-
-@jit
-def fill_binomials(binomial):
-    """Pascal's triangle in a square table."""
-    for n in range(binomial.shape[0]):
-        binomial[n, 0] = 1.0
-        for k in range(1, n + 1):
-            binomial[n, k] = binomial[n - 1, k - 1] + (binomial[n - 1, k] if k < n else 0.0)
 
 
 @jit
@@ -81,7 +73,8 @@ def _bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
     """(distance, s): a local minimum of |C(s) - c| on [lo, hi], by bracketed Newton on g = (C - c).C' from a guess."""
     a = lo
     b = hi
-    s = guess if lo < guess < hi else 0.5 * (lo + hi)
+    inset = INSET * (hi - lo)
+    s = min(max(guess, lo + inset), hi - inset)
     for _ in range(NEWTON):
         dx, dy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, x, y)
         g = dx * x1 + dy * y1
@@ -265,42 +258,90 @@ def _arc_distance(sf, i, x, y):
 
 
 @jit
-def reach_inside(si, sf, cp, box, stack, work, binomial, x, y, r):
-    """(gap, site): the deepest that the boundary reaches into the disc (c, r), as min(0, distance - r); site -1 if nowhere."""
+def depths(si, sf, cp, box, stack, work, binomial, disc, depth):
+    """How deep the boundary reaches into each disc, a row x, y, r: r - distance of its centre, 0 if that is not positive.
+
+    box: from `fill_boxes`; stack (JUDGE_STACK,); work (JUDGE_ROWS, 2 d + 3) and binomial (2 d + 1, 2 d + 1), Pascal's triangle,
+    for pieces of degree up to d.
+    """
     n = si.shape[0]
-    worst = 0.0
-    site = -1
-    if not r > 0.0:
-        return worst, site
-    if not r < math.inf:
-        return -math.inf, 0
-    rr = r * r
-    stack[0] = 1
-    top = 0
-    while top >= 0:
-        k = stack[top]
-        top -= 1
-        dx = max(0.0, box[k, 0] - x, x - box[k, 2])
-        dy = max(0.0, box[k, 1] - y, y - box[k, 3])
-        if dx * dx + dy * dy >= rr:
+    for m in range(disc.shape[0]):
+        x = disc[m, 0]
+        y = disc[m, 1]
+        r = disc[m, 2]
+        depth[m] = 0.0
+        if not r > 0.0:
             continue
-        if k < n:
-            stack[top + 1] = 2 * k
-            stack[top + 2] = 2 * k + 1
-            top += 2
+        if not r < math.inf:
+            depth[m] = math.inf
             continue
-        i = k - n
-        kind = si[i, KIND]
-        if kind == LINE:
-            gap = _line_distance(sf, i, x, y) - r
-        elif kind == ARC:
-            gap = _arc_distance(sf, i, x, y) - r
-        else:
-            gap = _outside_bezier(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], x, y, r, work, binomial)
-        if gap < worst:
-            worst = gap
-            site = i
-    return worst, site
+        worst = 0.0
+        stack[0] = 1
+        top = 0
+        while top >= 0:
+            k = stack[top]
+            top -= 1
+            dx = max(0.0, box[k, 0] - x, x - box[k, 2])
+            dy = max(0.0, box[k, 1] - y, y - box[k, 3])
+            if dx * dx + dy * dy >= r * r:
+                continue
+            if k < n:
+                stack[top + 1] = 2 * k
+                stack[top + 2] = 2 * k + 1
+                top += 2
+                continue
+            i = k - n
+            kind = si[i, KIND]
+            if kind == LINE:
+                gap = _line_distance(sf, i, x, y) - r
+            elif kind == ARC:
+                gap = _arc_distance(sf, i, x, y) - r
+            else:
+                gap = _outside_bezier(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], x, y, r, work, binomial)
+            if gap < worst:
+                worst = gap
+        depth[m] = -worst
+
+
+@jit
+def edge_parameters(si, sf, cp, site, s, u):
+    """The input edges' own parameters at s on a site."""
+    for n in range(site.shape[0]):
+        u[n] = edge_parameter(si, sf, cp, site[n], s[n])
+
+
+@jit
+def spline_values(degree, knot_start, knots, cp_start, cp, axes, which, t, work, out):
+    """Points of rational B-splines: spline which[n] at t[n], to out[n, :axes], by de Boor's triangle in homogeneous coordinates.
+
+    Rows of `cp` hold `axes` coordinates (not multiplied by it) and the weight. Assumes clamped, rising knots. work: (d + 1, axes + 1).
+    """
+    for n in range(which.shape[0]):
+        g = which[n]
+        d = degree[g]
+        first = knot_start[g] + d
+        span = first
+        last = knot_start[g + 1] - d - 2
+        while last > span:
+            middle = (span + last + 1) // 2
+            if knots[middle] <= t[n]:
+                span = middle
+            else:
+                last = middle - 1
+        for i in range(d + 1):
+            row = cp_start[g] + span - first + i
+            w = cp[row, axes]
+            for c in range(axes):
+                work[i, c] = w * cp[row, c]
+            work[i, axes] = w
+        for level in range(1, d + 1):
+            for i in range(d + 1 - level):
+                left = knots[span - d + level + i]
+                share = (t[n] - left) / (knots[span + 1 + i] - left)
+                for c in range(axes + 1):
+                    work[i, c] += share * (work[i + 1, c] - work[i, c])
+        for c in range(axes):
+            out[n, c] = work[0, c] / work[0, axes]
 
 
 @jit
@@ -312,13 +353,6 @@ def frames_at(si, sf, cp, site, s, frame):
         frame[n, 1] = y
         frame[n, 2] = tx
         frame[n, 3] = ty
-
-
-@jit
-def depths(si, sf, cp, box, stack, work, binomial, disc, depth):
-    """How deep the boundary reaches into each disc x, y, r."""
-    for n in range(disc.shape[0]):
-        depth[n] = -reach_inside(si, sf, cp, box, stack, work, binomial, disc[n, 0], disc[n, 1], disc[n, 2])[0]
 
 
 @jit
@@ -345,22 +379,21 @@ def distances(si, sf, cp, site, interval, disc, distance):
 
 
 @jit
-def balls(si, sf, cp, job_i, job_s, frame, disc, partner):
+def balls(si, sf, cp, frame, other, interval, disc, foot_s, partner):
     """Discs tangent at given footpoints that touch a part of another site, by a shrinking ball.
 
-    job_i rows: the footpoint's frame, the other site; job_s rows: lo, hi there, first radius. Fills rows of `disc`, from row 0:
-    x, y, r (r = inf if there is none), and of `partner`: s, x, y, tx, ty of the other foot.
+    frame rows: x, y, tx, ty of the footpoints; other: the sites; interval rows: lo, hi there, first radius. Fills `disc` with rows
+    x, y, r (r = inf if there is none), `foot_s` and rows x, y, tx, ty of `partner` with the other foot.
     """
-    for n in range(job_i.shape[0]):
-        f = job_i[n, 0]
-        j = job_i[n, 1]
-        lo = job_s[n, 0]
-        hi = job_s[n, 1]
-        px = frame[f, 0]
-        py = frame[f, 1]
-        tx = frame[f, 2]
-        ty = frame[f, 3]
-        r = job_s[n, 2] if job_s[n, 2] > 0.0 else FIRST_RADIUS
+    for n in range(other.shape[0]):
+        j = other[n]
+        lo = interval[n, 0]
+        hi = interval[n, 1]
+        px = frame[n, 0]
+        py = frame[n, 1]
+        tx = frame[n, 2]
+        ty = frame[n, 3]
+        r = interval[n, 2] if interval[n, 2] > 0.0 else FIRST_RADIUS
         s = 0.5 * (lo + hi)
         growths = 0
         qx = qy = ux = uy = 0.0
@@ -384,8 +417,8 @@ def balls(si, sf, cp, job_i, job_s, frame, disc, partner):
         disc[n, 0] = px - r * ty
         disc[n, 1] = py + r * tx
         disc[n, 2] = r
-        partner[n, 0] = s
-        partner[n, 1] = px + qx
-        partner[n, 2] = py + qy
-        partner[n, 3] = ux
-        partner[n, 4] = uy
+        partner[n, 0] = px + qx
+        partner[n, 1] = py + qy
+        partner[n, 2] = ux
+        partner[n, 3] = uy
+        foot_s[n] = s
