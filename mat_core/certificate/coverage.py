@@ -1,8 +1,8 @@
-"""The boundary as the certificate sees it: closed loops, turned once, every bit of them owned by exactly one strip side.
+"""The boundary as the certificate sees it: closed loops, turned once, every bit owned by exactly one strip side.
 
-Why this proves the degrees: walking along a loop, one interval ends and the next one begins at the same disc, so every contact of a
-disc takes one end and one beginning of an interval. A strip that ends at a disc brings one of each (its right side ends, its left
-side begins there), and so does an arc in whole contact. Hence, when nothing is left over,
+Why this proves the degrees: walking along a loop, one interval ends and the next one begins at the same disc, so every
+contact of a disc takes one end and one beginning of an interval. A strip that ends at a disc brings one of each (its
+right side ends, its left side begins there), and so does an arc in whole contact. Hence, when nothing is left over,
 
     contacts of a disc = strips that end there + arcs in whole contact with it,
 
@@ -18,11 +18,31 @@ import numpy as np
 from mat_core.boundary.sites import SiteTable
 from mat_core.certificate.inputs import Discs, Floats, Ints
 from mat_core.certificate.report import Report
-from mat_core.kernels.judge import edge_parameters, frames_at, spline_values
 from mat_core.kernels.layout import (
-    ARC, CONVEX_VERTEX, CORNER, EDGE, FAN, K0, KIND, LEN, LINE, LOOP, NEXT, PREV, SPIRAL, SWEEP, TX0, TX1, TY0, TY1, X0, X1, Y0,
+    ARC,
+    CONVEX_VERTEX,
+    CORNER,
+    EDGE,
+    FAN,
+    K0,
+    KIND,
+    LEN,
+    LINE,
+    LOOP,
+    NEXT,
+    PREV,
+    SPIRAL,
+    SWEEP,
+    TX0,
+    TX1,
+    TY0,
+    TY1,
+    X0,
+    X1,
+    Y0,
     Y1,
 )
+from mat_core.kernels.rows import edge_parameters, frames_at, spline_values
 from mat_core.model.domain import Domain
 
 NEARLY_SMOOTH = 0.1  # a joint without a vertex turns by less than this
@@ -61,7 +81,7 @@ def _turn(ax: Floats, ay: Floats, bx: Floats, by: Floats) -> Floats:
 
 
 def check_boundary(t: SiteTable, report: Report) -> Floats:
-    """Loops close and turn once around: the outer one by +2 pi, a hole by -2 pi; returns the turn at each smooth joint."""
+    """Loops close and turn once around, by +2 pi or, holes, by -2 pi; returns the turn at each smooth joint."""
     si, sf = t.si, t.sf
     before = si[:, PREV]
     last = sf[before]
@@ -78,8 +98,9 @@ def check_boundary(t: SiteTable, report: Report) -> Floats:
     corner = si[:, CORNER] == CONVEX_VERTEX
     at_joint[corner & (at_joint < -0.5 * np.pi)] += 2.0 * np.pi
     inside = np.where(
-        kind == SPIRAL, _turn(sf[:, TX0], sf[:, TY0], sf[:, TX1], sf[:, TY1]), np.where(kind == LINE, 0.0, sf[:, SWEEP]))
-    total = np.bincount(si[:, LOOP], weights=at_joint + inside, minlength=len(count))
+        kind == SPIRAL, _turn(sf[:, TX0], sf[:, TY0], sf[:, TX1], sf[:, TY1]), np.where(kind == LINE, 0.0, sf[:, SWEEP])
+    )
+    total: Floats = np.bincount(si[:, LOOP], weights=at_joint + inside, minlength=len(count)).astype(np.float64)
     total[0] -= 2.0 * np.pi
     total[1:] += 2.0 * np.pi
     report.worst("turning", np.abs(total), joint[t.loop_start[:-1]])
@@ -99,7 +120,9 @@ def check_edges(t: SiteTable, domain: Domain, report: Report) -> None:
     edge_parameters(t.si, t.sf, t.cp, site, s, u)
     edge = a.loop_start[t.si[site, LOOP]] + t.si[site, EDGE]
     point = np.empty((len(site), 2))
-    spline_values(a.degree, a.knot_start, a.knots, a.cp_start, a.cp, 2, edge, u, np.empty((int(a.degree.max()) + 1, 3)), point)
+    spline_values(
+        a.degree, a.knot_start, a.knots, a.cp_start, a.cp, 2, edge, u, np.empty((int(a.degree.max()) + 1, 3)), point
+    )
     off = (point - t.origin) * t.scale - frame[:, :2]
     report.worst("boundary", np.hypot(off[:, 0], off[:, 1]), frame)
 

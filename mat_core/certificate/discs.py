@@ -1,13 +1,19 @@
 """Discs: those of nodes and joints as they were handed in, and discs inside every strip found anew by a shrinking ball.
 
-A disc tangent to the boundary at p and q that holds no boundary point inside is the maximal disc at p, and the one at q; there is
-no other. So a partner is confirmed from one side by growing the disc tangent at p until it touches the other side of the strip,
-and asking all of the boundary whether it reaches into it:
+A disc tangent to the boundary at p and q that holds no boundary point inside is the maximal disc at p, and the one at
+q; there is no other. So a partner is confirmed from one side by growing the disc tangent at p until it touches the
+other side of the strip, and asking all of the boundary whether it reaches into it:
 
-    r <- |D|^2 / (2 n.D),    D = q - p,   q = foot of p + r n on the other side        (falls to the maximal disc, quadratically)
+    r <- |D|^2 / (2 n.D),   D = q - p,   q = foot of p + r n on the other side   (converges quadratically)
 
-At a smooth joint the tangents of both pieces may differ a little (by less than the smoothing angle). A normal between both is as
-good as either, and such a disc may be reached into by r angle^2; both are granted there, and only there.
+Why a few discs are enough for a strip: cutting a domain along maximal discs leaves sub-domains whose axes have nothing
+to do with each other (Choi, Choi, Moon 1997). When the discs at both ends of a strip are empty and touch where they
+should, and nothing else lies between their footpoints (coverage), the sub-domain in between has just two sides, and
+neither can be its own partner, because its curvature is monotone (Vogt). Discs inside confirm what then cannot be
+otherwise, and would show a piece whose curvature is not monotone.
+
+At a smooth joint the tangents of both pieces may differ a little (by less than the smoothing angle). A normal between
+both is as good as either, and such a disc may be reached into by r angle^2; both are granted there, and only there.
 """
 
 from __future__ import annotations
@@ -22,8 +28,9 @@ from mat_core.certificate.coverage import Owned
 from mat_core.certificate.inputs import Discs, Floats, Ints
 from mat_core.certificate.report import Report
 from mat_core.kernels.jit import jit
-from mat_core.kernels.judge import balls, frames_at
+from mat_core.kernels.judge import balls
 from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, FAN, KIND, NEXT, PREV, TX0, TX1, TY0, TY1
+from mat_core.kernels.rows import frames_at
 
 SAMPLES = (0.44, 0.59)  # where in a strip, on its right and on its left side, discs are found anew
 SAME_DISC = 1e-9  # a strip between discs nearer than this has no inside to look at
@@ -44,7 +51,7 @@ class Found(NamedTuple):
 
 @jit
 def missed(si, sf, site, s, frame, which, disc, off):
-    """Distance of the centre of disc which[n] from foot + r n, for a foot with frame x, y, tx, ty at s on a site, to off[n].
+    """Distance of the centre of disc which[n] from foot + r n, for a foot at s on a site with its frame, to off[n].
 
     At a smooth joint any normal between those of both pieces will do.
     """
@@ -75,7 +82,7 @@ def missed(si, sf, site, s, frame, which, disc, off):
 
 
 def check_touching(t: SiteTable, skeleton: Discs, owned: Owned, turn: Floats, report: Report) -> Floats:
-    """Discs touch at their contacts and at both ends of every owned interval; returns what is granted to each one's emptiness."""
+    """Discs touch at contacts and at both ends of owned intervals; returns what is granted to each one's emptiness."""
     disc = skeleton.disc
     owner = np.repeat(np.arange(len(disc)), np.diff(skeleton.contact_start))
     site = np.concatenate((skeleton.contact_site, owned.site, owned.site))

@@ -150,7 +150,7 @@ def _are_offsets(starts: Ints, rows: int, count: int) -> bool:
 
 
 def dangling_references(sites: int, skeleton: Discs, graph: Network, curves: Curves) -> int:
-    """How many of the tables hold indices or parameters that point to nothing, or have too few rows; the rest relies on 0."""
+    """How many tables hold indices or parameters that point to nothing, or have too few rows; the rest relies on 0."""
     discs = len(skeleton.disc)
     strips = len(skeleton.strip_i)
     nodes = len(graph.node_disc)
@@ -166,13 +166,17 @@ def dangling_references(sites: int, skeleton: Discs, graph: Network, curves: Cur
         _in_range(skeleton.strip_i[:, :2], 0, sites) and _in_range(skeleton.strip_i[:, 2:], 0, discs),
         _in_range(skeleton.whole_i[:, 0], 0, sites) and _in_range(skeleton.whole_i[:, 1], 0, discs),
         _are_parameters(skeleton.strip_s) and _are_parameters(skeleton.whole_s),
-        _in_range(graph.node_disc, 0, discs) and _in_range(graph.order, 0, nodes) and _in_range(graph.run_strip, 0, strips),
+        _in_range(graph.node_disc, 0, discs)
+        and _in_range(graph.order, 0, nodes)
+        and _in_range(graph.run_strip, 0, strips),
         _in_range(graph.start_node, -1, nodes) and _in_range(graph.end_node, -1, nodes),
         bool(((graph.start_node < 0) == (graph.end_node < 0)).all()) if len(graph.end_node) == runs else False,
         _in_range(curves.part_i[:, 1], 0, strips),
         _are_offsets(skeleton.contact_start, discs + 1, len(skeleton.contact_site)),
-        _are_offsets(graph.run_start, runs + 1, len(graph.run_strip)) and bool((graph.run_start[1:] > graph.run_start[:-1]).all()),
-        _are_offsets(curves.knot_start, runs + 1, len(curves.knots)) and _are_offsets(curves.cp_start, runs + 1, len(curves.cp)),
+        _are_offsets(graph.run_start, runs + 1, len(graph.run_strip))
+        and bool((graph.run_start[1:] > graph.run_start[:-1]).all()),
+        _are_offsets(curves.knot_start, runs + 1, len(curves.knots))
+        and _are_offsets(curves.cp_start, runs + 1, len(curves.cp)),
         _are_offsets(curves.part_start, runs + 1, len(curves.part_i)),
     )
     return len(sound) - sum(sound)

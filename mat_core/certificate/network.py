@@ -1,6 +1,7 @@
-"""The axis as a graph, counted anew: faces, components, cycles, leaves, degrees, order, and what each node claims to be.
+"""The axis as a graph, counted anew: faces, components, cycles, leaves, degrees, order, kinds of nodes.
 
-With D discs, S strips, W arcs in whole contact and C contacts, every contact begins one owned interval of the boundary, so
+With D discs, S strips, W arcs in whole contact and C contacts, every contact begins one owned interval of the boundary,
+so
 C = 2 S + W; and the domain with h holes is cut into S + W = 1 - h + C - D faces. Both must hold, and say S - D + 1 = h.
 """
 
@@ -19,7 +20,7 @@ LEAF_CURVATURE = 1e-6  # relative difference of 1/r from the curvature at the fo
 
 @jit
 def label_components(ends, label):
-    """Number the components of vertices 0 .. n-1 joined by pairs `ends`: label (n,), the same in one component; returns how many."""
+    """Components of vertices 0 .. n-1 joined by pairs `ends`: fills label (n,), one for each; returns how many."""
     n = label.shape[0]
     for k in range(n):
         label[k] = k
@@ -123,8 +124,9 @@ def check_segments(skeleton: Discs, graph: Network, report: Report) -> tuple[Int
 def check_kinds(t: SiteTable, skeleton: Discs, graph: Network, degree: Ints, wholes: Ints, report: Report) -> None:
     """Every node is what its kind says.
 
-    convex_vertex: a leaf of radius 0 at a convex vertex; curvature_center: a leaf whose radius is that of the boundary's curvature
-    at its only contact; arc_center: a leaf that holds arcs in whole contact; branch: three strips or more; point: no strip at all.
+    convex_vertex: a leaf of radius 0 at a convex vertex; curvature_center: a leaf whose radius is that of the
+    boundary's curvature at its only contact; arc_center: a leaf that holds arcs in whole contact; branch: three strips
+    or more; point: no strip at all.
     """
     if not len(graph.node_disc):
         report.faults("node_kinds", [0], skeleton.disc)

@@ -15,7 +15,8 @@ LENGTH, COUNT, ANGLE = "length", "count", "angle"
 class Check(NamedTuple):
     """Unit and limit of one check, and what its figure says.
 
-    A length is relative to the larger side of the domain's bounding box; a count is a number of faults; an angle is in radians.
+    A length is relative to the larger side of the domain's bounding box; a count is a number of faults; an angle is in
+    radians.
     """
 
     unit: str
@@ -25,7 +26,9 @@ class Check(NamedTuple):
 
 CHECKS = {
     "references": Check(COUNT, 0.0, "indices and parameters that point to nothing"),
-    "boundary": Check(LENGTH, 1e-9, "largest gap between neighbouring boundary pieces, or between a piece and the input's edge"),
+    "boundary": Check(
+        LENGTH, 1e-9, "largest gap between neighbouring boundary pieces, or between a piece and the input's edge"
+    ),
     "turning": Check(ANGLE, 1e-5, "largest difference of a loop's total turning from a full turn"),
     "coverage": Check(LENGTH, 1e-9, "largest part of the boundary that belongs to no strip, or to two"),
     "neighbours": Check(COUNT, 0.0, "points of the boundary where neighbouring strips end at different discs"),
@@ -35,21 +38,31 @@ CHECKS = {
     "cycles": Check(COUNT, 0.0, "cycles of the axis more or less than holes of the domain"),
     "leaves": Check(COUNT, 0.0, "leaves of radius 0 more or less than convex vertices"),
     "segments": Check(COUNT, 0.0, "strips in no segment or in two, and strips of a segment that do not meet"),
-    "degrees": Check(COUNT, 0.0, "discs whose strips do not fit their contacts, nodes whose segments do not fit their strips"),
+    "degrees": Check(
+        COUNT, 0.0, "discs whose strips do not fit their contacts, nodes whose segments do not fit their strips"
+    ),
     "order": Check(COUNT, 0.0, "segments directed against the topological order, and nodes missing from it"),
     "node_kinds": Check(COUNT, 0.0, "nodes that are not what their kind says"),
     "discs_empty": Check(LENGTH, 1e-9, "how deep the boundary reaches into the disc of a node or of a joint"),
-    "discs_touching": Check(LENGTH, 1e-9, "largest distance of a disc's centre from where a footpoint's normal puts it"),
+    "discs_touching": Check(
+        LENGTH, 1e-9, "largest distance of a disc's centre from where a footpoint's normal puts it"
+    ),
     "partners_right": Check(LENGTH, 1e-8, "the same two figures for discs found anew from the right sides of strips"),
     "partners_left": Check(LENGTH, 1e-8, "the same two figures for discs found anew from the left sides of strips"),
     "curves_continuous": Check(LENGTH, 1e-12, "largest jump of a curve between its pieces"),
     "curves_ends": Check(LENGTH, 1e-9, "distance of curves from the discs they should pass, beyond their stated error"),
-    "curves_on_axis": Check(LENGTH, 1e-10, "distance to either side less radius, along curves, beyond their stated error"),
-    "curves_empty": Check(LENGTH, 1e-9, "how deep the boundary reaches into discs along curves, beyond their stated error"),
+    "curves_on_axis": Check(
+        LENGTH, 1e-10, "distance to either side less radius, along curves, beyond their stated error"
+    ),
+    "curves_empty": Check(
+        LENGTH, 1e-9, "how deep the boundary reaches into discs along curves, beyond their stated error"
+    ),
     "curves_tolerance": Check(LENGTH, 0.0, "largest stated error of a curve; the limit is the tolerance asked for"),
 }
 
-ROUNDING = 16 * float(np.finfo(float).eps)  # granted to lengths, relative to the largest coordinate: the input is not known better
+ROUNDING = 16 * float(
+    np.finfo(float).eps
+)  # granted to lengths, relative to the largest coordinate: the input is not known better
 
 
 class Report:
@@ -59,7 +72,7 @@ class Report:
         self.figures: dict[str, tuple[float, tuple[float, float] | None]] = {}
 
     def worst(self, name: str, figures: NDArray[np.float64], points: NDArray[np.float64]) -> None:
-        """Take the largest of (n,) figures, with its place, row of (n, 2 or more) points; one that is not a number is infinite."""
+        """Take the largest of (n,) figures and its place, row of (n, 2 or more) points; NaN counts as infinite."""
         measured = 0.0
         place = None
         if len(figures):
@@ -83,7 +96,7 @@ class Report:
         self.figures[name] = (before + total, place)
 
     def to_dict(self, size: float, origin: NDArray[np.float64], scale: float, tolerance: float) -> dict[str, Any]:
-        """The certificate: every check made, with figure, limit and place in the caller's coordinates; all numbers finite.
+        """The certificate: every check with figure, limit and place in the caller's coordinates; all numbers finite.
 
         size: larger side of the bounding box, normalised.
         """

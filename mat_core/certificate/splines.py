@@ -1,7 +1,8 @@
 """The fitted curves: do they run along the axis, through its discs, within the error they state?
 
-A curve's error is stated in (x, y, r) together. If the disc (c', r') is off a true axis disc (c, r) by e in that sense, then the
-distance of c' from either side differs from r' by at most |c' - c| + |r' - r| <= sqrt(2) e; that much is granted, no more.
+A curve's error is stated in (x, y, r) together. If the disc (c', r') is off a true axis disc (c, r) by e in that sense,
+then the distance of c' from either side differs from r' by at most |c' - c| + |r' - r| <= sqrt(2) e; that much is
+granted, no more.
 """
 
 from __future__ import annotations
@@ -10,13 +11,17 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.certificate.inputs import Curves, Discs, Floats, Ints, Network
 from mat_core.certificate.report import Report
-from mat_core.kernels.judge import distances, spline_values
+from mat_core.kernels.judge import distances
+from mat_core.kernels.rows import spline_values
 
-SAMPLES = np.array((0.057, 0.281, 0.473, 0.726, 0.894))  # of a piece; at places of no symmetry, so not at those of a fit
+SAMPLES = np.array(
+    (0.057, 0.281, 0.473, 0.726, 0.894)
+)  # of a piece; at places of no symmetry, so not at those of a fit
 GRANTED = math.sqrt(2.0)
 
 
@@ -29,7 +34,7 @@ class Sampled(NamedTuple):
 
 
 def check_shape(curves: Curves, graph: Network, report: Report) -> bool:
-    """Knots are clamped, rise from 0 to 1 and break nothing, weights are positive; whether the curves can be evaluated."""
+    """Knots are clamped and rise from 0 to 1, weights are positive; returns whether the curves can be evaluated."""
     c = curves
     runs = len(c.degree)
     if not runs:
@@ -45,7 +50,9 @@ def check_shape(curves: Curves, graph: Network, report: Report) -> bool:
     sound = (c.degree >= 1) & (control > c.degree) & (k1 - k0 == control + c.degree + 1) & (c.max_error >= 0.0)
     if sound.all():
         p = c.degree
-        sound &= (c.knots[k0] == 0.0) & (c.knots[k0 + p] == 0.0) & (c.knots[k1 - p - 1] == 1.0) & (c.knots[k1 - 1] == 1.0)
+        sound &= (
+            (c.knots[k0] == 0.0) & (c.knots[k0 + p] == 0.0) & (c.knots[k1 - p - 1] == 1.0) & (c.knots[k1 - 1] == 1.0)
+        )
         falls = np.zeros(len(c.knots), dtype=np.int64)
         falls[1:] = c.knots[1:] < c.knots[:-1]
         falls[k0] = 0
@@ -61,7 +68,7 @@ def check_shape(curves: Curves, graph: Network, report: Report) -> bool:
     return True
 
 
-def _parts_follow(c: Curves) -> Floats:
+def _parts_follow(c: Curves) -> NDArray[np.bool_]:
     """Whether the pieces of each segment cover [0, 1] one after the other."""
     begin = c.part_f[:, 0]
     end = c.part_f[:, 1]
@@ -82,7 +89,12 @@ def _check_jumps(c: Curves, report: Report) -> None:
     for p in np.flatnonzero(np.bincount(c.degree)).tolist():
         row = np.flatnonzero(c.knots[p:] == c.knots[:-p])
         segment = np.searchsorted(c.knot_start, row, side="right") - 1
-        inner = (c.degree[segment] == p) & (c.knots[row] > 0.0) & (c.knots[row] < 1.0) & (row + p < c.knot_start[segment + 1])
+        inner = (
+            (c.degree[segment] == p)
+            & (c.knots[row] > 0.0)
+            & (c.knots[row] < 1.0)
+            & (row + p < c.knot_start[segment + 1])
+        )
         after = (c.cp_start[segment] + row - c.knot_start[segment])[inner]
         gap = c.cp[after, :3] - c.cp[after - 1, :3]
         report.worst("curves_continuous", np.sqrt((gap * gap).sum(axis=1)), c.cp[after])
@@ -97,7 +109,7 @@ def _values(c: Curves, segment: Ints, t: Floats) -> Floats:
 
 
 def check_ends(skeleton: Discs, graph: Network, curves: Curves, report: Report) -> None:
-    """Curves begin and end at the discs of their nodes, and pass the discs between their strips, which they take in order."""
+    """Curves begin and end at the discs of their nodes and pass the discs between their strips, taken in order."""
     disc, c = skeleton.disc, curves
     segment = c.part_i[:, 0]
     strip = c.part_i[:, 1]

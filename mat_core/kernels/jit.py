@@ -80,7 +80,8 @@ def jit(function: F) -> F:
         compiled: F = numba.njit(cache=True, error_model="numpy", nogil=True, _nrt=False, no_cfunc_wrapper=True)(function)
     finally:
         config.CACHE_DIR = configured
-    _forget_literals(compiled)
+    if not config.DISABLE_JIT:
+        _forget_literals(compiled)
     return compiled
 
 

@@ -1,7 +1,7 @@
-"""Distances from a point to the boundary, for the certificate: how deep anything reaches into a disc, and the nearest foot.
+"""Distances to the boundary, for the certificate: how deep anything reaches into a disc, and the nearest foot.
 
-Nothing here relies on curvature being monotone, nor on the tree and the tangent-circle search that found the axis: a Bezier
-piece is shown to stay outside a disc of centre c and radius r by the signs of
+Nothing here relies on curvature being monotone, nor on the tree and the tangent-circle search that found the axis: a
+Bezier piece is shown to stay outside a disc of centre c and radius r by the signs of
 
     h(s) = |q(s)|^2 - r^2 w(s)^2,    q = w (C - c)        (homogeneous, so polynomial for rational pieces as well)
 
@@ -13,10 +13,26 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.curve import bezier_frame, edge_parameter, evaluate
+from mat_core.kernels.curve import bezier_frame, evaluate
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import (
-    ARC, CP0, DEG, FAN, K0, KIND, LINE, RATIONAL, SWEEP, TX0, TX1, TY0, TY1, X0, X1, Y0, Y1,
+    ARC,
+    CP0,
+    DEG,
+    FAN,
+    K0,
+    KIND,
+    LINE,
+    RATIONAL,
+    SWEEP,
+    TX0,
+    TX1,
+    TY0,
+    TY1,
+    X0,
+    X1,
+    Y0,
+    Y1,
 )
 
 JUDGE_STACK = 128  # depth of the walk through the tree of boxes
@@ -24,6 +40,7 @@ HALVINGS = 40  # deepest subdivision of one piece; 2^-40 of it is far below ever
 JUDGE_ROWS = HALVINGS + 6  # rows of the scratch table: three of points, then the stack
 _QX, _QY, _QW, _FIRST = 0, 1, 2, 3
 NOISE = 4e-15  # rounding of a coefficient of h, relative to the largest |q|^2
+RATIONAL_ROUNDS = 12  # discs tried on a rational piece that reaches far inside
 NEWTON = 60  # steps of the bracketed Newton iterations; halving alone ends in as many
 INSET = 1e-3  # a first guess at an end is taken this share of the interval inside
 SETTLED = 1e-8  # a Newton step below this squares to rounding
@@ -37,7 +54,7 @@ FIRST_RADIUS = 1e-3  # where none is known
 
 @jit
 def fill_boxes(si, sf, cp, box):
-    """Boxes of all sites in rows n .. 2n-1 (loop order), of pairs of rows 2k, 2k+1 in row k; row 1 is the whole boundary.
+    """Boxes of all sites in rows n .. 2n-1 (loop order), of rows 2k and 2k+1 together in row k; row 1 is the whole.
 
     A fan is left out: its point is an end of both neighbours.
     """
@@ -107,7 +124,7 @@ def _bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
 
 @jit
 def turn_fraction(px, py, qx, qy, sweep):
-    """Where direction q stands on a turn from direction p by `sweep`, as a fraction; ambiguity is cut opposite its middle."""
+    """Where direction q stands on a turn from p by `sweep`, as a fraction; ambiguity is cut opposite its middle."""
     angle = math.atan2(px * qy - py * qx, px * qx + py * qy)
     if angle < 0.5 * sweep - math.pi:
         angle += 2.0 * math.pi
@@ -144,65 +161,91 @@ def foot(si, sf, cp, i, lo, hi, x, y, guess):
 
 @jit
 def _outside_bezier(cp, c0, deg, rational, x, y, r, work, binomial):
-    """min(0, smallest |C(s) - c| - r) over a whole Bezier piece."""
+    """min(0, smallest |C(s) - c| - r) over a whole Bezier piece.
+
+    The lowest h is the nearest point when w = 1; a rational piece is asked again with the smaller disc that was left.
+    """
     n = 2 * deg
-    scale = r * r
-    for i in range(deg + 1):
-        w = cp[c0 + i, 2] * binomial[deg, i]
-        dx = cp[c0 + i, 0] - x
-        dy = cp[c0 + i, 1] - y
-        size = dx * dx + dy * dy
-        if size > scale:
-            scale = size
-        work[_QX, i] = w * dx
-        work[_QY, i] = w * dy
-        work[_QW, i] = w * r
-    for k in range(n + 1):
-        work[_FIRST, k] = 0.0
-    for i in range(deg + 1):
-        qx = work[_QX, i]
-        qy = work[_QY, i]
-        qw = work[_QW, i]
-        work[_FIRST, 2 * i] += qx * qx + qy * qy - qw * qw
-        for j in range(i):
-            work[_FIRST, i + j] += 2.0 * (qx * work[_QX, j] + qy * work[_QY, j] - qw * work[_QW, j])
-    noise = -NOISE * scale
-    low = 0.0
-    for k in range(n + 1):
-        work[_FIRST, k] /= binomial[n, k]
-        if work[_FIRST, k] < low:
-            low = work[_FIRST, k]
-    if low >= noise:
-        return 0.0
-    return _least_gap(cp, c0, deg, rational, x, y, r, work, noise)
+    total = 0.0
+    for _ in range(RATIONAL_ROUNDS if rational else 1):
+        reach = r + total
+        scale = r * r
+        for i in range(deg + 1):
+            w = cp[c0 + i, 2] * binomial[deg, i]
+            dx = cp[c0 + i, 0] - x
+            dy = cp[c0 + i, 1] - y
+            size = dx * dx + dy * dy
+            if size > scale:
+                scale = size
+            work[_QX, i] = w * dx
+            work[_QY, i] = w * dy
+            work[_QW, i] = w * reach
+        for k in range(n + 1):
+            work[_FIRST, k] = 0.0
+        for i in range(deg + 1):
+            qx = work[_QX, i]
+            qy = work[_QY, i]
+            qw = work[_QW, i]
+            work[_FIRST, 2 * i] += qx * qx + qy * qy - qw * qw
+            for j in range(i):
+                work[_FIRST, i + j] += 2.0 * (qx * work[_QX, j] + qy * work[_QY, j] - qw * work[_QW, j])
+        noise = -NOISE * scale
+        low = 0.0
+        for k in range(n + 1):
+            work[_FIRST, k] /= binomial[n, k]
+            if work[_FIRST, k] < low:
+                low = work[_FIRST, k]
+        if low >= noise:
+            break
+        gap = _least_gap(cp, c0, deg, rational, x, y, reach, work, noise)
+        if not gap < 0.0:
+            break
+        total += gap
+    return total
 
 
 @jit
 def _least_gap(cp, c0, deg, rational, x, y, r, work, noise):
-    """The slow part of `_outside_bezier`: rows of h are halved until each is decided; columns n + 1, n + 2 hold its interval."""
+    """Rows of h are halved until each is decided; columns n + 1, n + 2 hold the begin and width of its interval.
+
+    `least` is the lowest value of h met so far: what cannot be lower need not be looked at, so a disc far too large
+    costs no more than a good one.
+    """
     n = 2 * deg
     gap = 0.0
+    least = 0.0
     top = _FIRST
     work[top, n + 1] = 0.0
     work[top, n + 2] = 1.0
     while top >= _FIRST:
+        lo = work[top, n + 1]
+        width = work[top, n + 2]
         low = 0.0
-        bend = 0.0
+        hollow = 0.0
+        bulge = 0.0
         for k in range(n + 1):
             if work[top, k] < low:
                 low = work[top, k]
             if 0 < k < n:
                 second = work[top, k - 1] - 2.0 * work[top, k] + work[top, k + 1]
-                if second < bend:
-                    bend = second
-        lo = work[top, n + 1]
-        width = work[top, n + 2]
-        if low >= noise:
+                if second < bulge:
+                    bulge = second
+                if second > hollow:
+                    hollow = second
+        # the first and the last coefficient are values of h
+        for end in range(2):
+            value = work[top, end * n]
+            if value < least + noise:
+                least = value
+                dx, dy = bezier_frame(cp, c0, deg, rational, lo + end * width, x, y)[:2]
+                gap = min(gap, math.sqrt(dx * dx + dy * dy) - r)
+        if low >= least + noise or hollow <= -noise:
             top -= 1
-        elif bend >= noise or top == _FIRST + HALVINGS:
-            distance, s = _bezier_foot(cp, c0, deg, rational, lo, lo + width, x, y, lo + 0.5 * width)
-            if not distance - r >= gap:
-                gap = distance - r
+        elif bulge >= noise or top == _FIRST + HALVINGS:
+            distance = _bezier_foot(cp, c0, deg, rational, lo, lo + width, x, y, lo + 0.5 * width)[0]
+            gap = min(gap, distance - r)
+            if not rational:
+                least = min(least, (distance - r) * (distance + r))
             top -= 1
         else:
             # de Casteljau in place: the left half goes on top, the right half stays
@@ -259,10 +302,10 @@ def _arc_distance(sf, i, x, y):
 
 @jit
 def depths(si, sf, cp, box, stack, work, binomial, disc, depth):
-    """How deep the boundary reaches into each disc, a row x, y, r: r - distance of its centre, 0 if that is not positive.
+    """How deep the boundary reaches into each disc x, y, r: r - distance of its centre, 0 if that is not positive.
 
-    box: from `fill_boxes`; stack (JUDGE_STACK,); work (JUDGE_ROWS, 2 d + 3) and binomial (2 d + 1, 2 d + 1), Pascal's triangle,
-    for pieces of degree up to d.
+    box: from `fill_boxes`; stack (JUDGE_STACK,); work (JUDGE_ROWS, 2 d + 3) and binomial (2 d + 1, 2 d + 1), Pascal's
+    triangle, for pieces of degree up to d.
     """
     n = si.shape[0]
     for m in range(disc.shape[0]):
@@ -304,62 +347,11 @@ def depths(si, sf, cp, box, stack, work, binomial, disc, depth):
 
 
 @jit
-def edge_parameters(si, sf, cp, site, s, u):
-    """The input edges' own parameters at s on a site."""
-    for n in range(site.shape[0]):
-        u[n] = edge_parameter(si, sf, cp, site[n], s[n])
-
-
-@jit
-def spline_values(degree, knot_start, knots, cp_start, cp, axes, which, t, work, out):
-    """Points of rational B-splines: spline which[n] at t[n], to out[n, :axes], by de Boor's triangle in homogeneous coordinates.
-
-    Rows of `cp` hold `axes` coordinates (not multiplied by it) and the weight. Assumes clamped, rising knots. work: (d + 1, axes + 1).
-    """
-    for n in range(which.shape[0]):
-        g = which[n]
-        d = degree[g]
-        first = knot_start[g] + d
-        span = first
-        last = knot_start[g + 1] - d - 2
-        while last > span:
-            middle = (span + last + 1) // 2
-            if knots[middle] <= t[n]:
-                span = middle
-            else:
-                last = middle - 1
-        for i in range(d + 1):
-            row = cp_start[g] + span - first + i
-            w = cp[row, axes]
-            for c in range(axes):
-                work[i, c] = w * cp[row, c]
-            work[i, axes] = w
-        for level in range(1, d + 1):
-            for i in range(d + 1 - level):
-                left = knots[span - d + level + i]
-                share = (t[n] - left) / (knots[span + 1 + i] - left)
-                for c in range(axes + 1):
-                    work[i, c] += share * (work[i + 1, c] - work[i, c])
-        for c in range(axes):
-            out[n, c] = work[0, c] / work[0, axes]
-
-
-@jit
-def frames_at(si, sf, cp, site, s, frame):
-    """Rows x, y, tx, ty of the boundary at s on a site."""
-    for n in range(site.shape[0]):
-        x, y, tx, ty, k, speed = evaluate(si, sf, cp, site[n], s[n], 0.0, 0.0)
-        frame[n, 0] = x
-        frame[n, 1] = y
-        frame[n, 2] = tx
-        frame[n, 3] = ty
-
-
-@jit
 def distances(si, sf, cp, site, interval, disc, distance):
     """How far each disc x, y, r is from touching a part of a site: |distance of its centre - r|.
 
-    interval rows: lo, hi and the parameter to begin at. A local foot elsewhere is not believed before others were tried.
+    interval rows: lo, hi and the parameter to begin at. A local foot elsewhere is not believed before others were
+    tried.
     """
     for n in range(site.shape[0]):
         x = disc[n, 0]
@@ -382,8 +374,9 @@ def distances(si, sf, cp, site, interval, disc, distance):
 def balls(si, sf, cp, frame, other, interval, disc, foot_s, partner):
     """Discs tangent at given footpoints that touch a part of another site, by a shrinking ball.
 
-    frame rows: x, y, tx, ty of the footpoints; other: the sites; interval rows: lo, hi there, first radius. Fills `disc` with rows
-    x, y, r (r = inf if there is none), `foot_s` and rows x, y, tx, ty of `partner` with the other foot.
+    frame rows: x, y, tx, ty of the footpoints; other: the sites; interval rows: lo, hi there, first radius. Fills
+    `disc` with rows x, y, r (r = inf if there is none), `foot_s` and rows x, y, tx, ty of `partner` with the other
+    foot.
     """
     for n in range(other.shape[0]):
         j = other[n]

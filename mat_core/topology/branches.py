@@ -31,11 +31,16 @@ PARALLEL = 1e-7  # determinant of three contact directions below which a disc is
 
 @jit
 def _touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie):
-    """`touch_from` against one arc of the face. The end of a piece at a reflex vertex yields to the vertex's own fan."""
+    """`touch_from` against one arc of the face.
+
+    A reflex vertex is the end of a piece and its fan at once: the piece yields to the fan where it is touched at that end, the fan to
+    the piece where none of its own normals points at the centre.
+    """
     j = w_i[arc, 0]
     phi, sj = touch_from(si, sf, cp, site, s, j, w_f[arc, 0], w_f[arc, 1])
-    if si[j, KIND] != FAN and phi > 0.0:
-        if (sj <= 0.0 and si[si[j, PREV], KIND] == FAN) or (sj >= 1.0 and si[si[j, NEXT], KIND] == FAN):
+    if phi > 0.0 and (sj <= 0.0 or sj >= 1.0):
+        beyond = si[j, PREV] if sj <= 0.0 else si[j, NEXT]
+        if si[j, KIND] == FAN or si[beyond, KIND] == FAN:
             phi *= 1.0 - YIELD * tie
     return phi, sj
 

@@ -136,10 +136,25 @@ def with_runs(a: Accused, order: list[int]) -> Accused:
     part_start, part_i, part_f = gather(c.part_start, c.part_i, c.part_f)
     part_i = part_i.copy()
     part_i[:, 0] = np.repeat(np.arange(len(order)), np.diff(part_start))
-    graph = k._replace(run_start=run_start, run_strip=run_strip, run_forward=run_forward, start_node=k.start_node[order],
-                       end_node=k.end_node[order])
-    curves = c._replace(degree=c.degree[order], kind=c.kind[order], max_error=c.max_error[order], knot_start=knot_start,
-                        knots=knots, cp_start=cp_start, cp=cp, part_start=part_start, part_i=part_i, part_f=part_f)
+    graph = k._replace(
+        run_start=run_start,
+        run_strip=run_strip,
+        run_forward=run_forward,
+        start_node=k.start_node[order],
+        end_node=k.end_node[order],
+    )
+    curves = c._replace(
+        degree=c.degree[order],
+        kind=c.kind[order],
+        max_error=c.max_error[order],
+        knot_start=knot_start,
+        knots=knots,
+        cp_start=cp_start,
+        cp=cp,
+        part_start=part_start,
+        part_i=part_i,
+        part_f=part_f,
+    )
     return a._replace(graph=graph, curves=curves)
 
 

@@ -1,4 +1,4 @@
-"""The certificate can fail: correct axes, damaged in every way it claims to detect, are caught by the check that names it."""
+"""The certificate can fail: correct axes, damaged in every way it claims to detect, are caught by the named check."""
 
 from __future__ import annotations
 
@@ -12,7 +12,16 @@ from mat_core.certificate.inputs import BRANCH, CURVATURE, VERTEX
 from mat_core.certificate.report import CHECKS
 from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, KIND, SPIRAL, TX0, TY0, X1
 from tests.certificate.accused import (
-    SHAPES, Accused, accused, changed, degree_of_nodes, moved, rows_of, some_node, with_runs, without_segment,
+    SHAPES,
+    Accused,
+    accused,
+    changed,
+    degree_of_nodes,
+    moved,
+    rows_of,
+    some_node,
+    with_runs,
+    without_segment,
 )
 
 Damage = Callable[[Accused], Accused]
@@ -90,7 +99,8 @@ def segment_doubled_with_its_strips(a: Accused) -> Accused:
     runs = list(range(len(a.graph.start_node)))
     b = with_runs(a, [*runs, 0]).with_discs(
         strip_i=np.concatenate((a.skeleton.strip_i, a.skeleton.strip_i[strips])),
-        strip_s=np.concatenate((a.skeleton.strip_s, a.skeleton.strip_s[strips])))
+        strip_s=np.concatenate((a.skeleton.strip_s, a.skeleton.strip_s[strips])),
+    )
     part_i = b.curves.part_i.copy()
     fresh = rows_of(b.curves.part_start, len(runs))
     for row in fresh:
@@ -129,7 +139,9 @@ def nodes_merged(a: Accused) -> Accused:
     owner[owner == second] = first
     order = np.argsort(owner, kind="stable")
     starts = np.searchsorted(owner[order], np.arange(len(k.disc) + 1))
-    return a.with_discs(strip_i=strip_i, contact_start=starts, contact_site=k.contact_site[order], contact_s=k.contact_s[order])
+    return a.with_discs(
+        strip_i=strip_i, contact_start=starts, contact_site=k.contact_site[order], contact_s=k.contact_s[order]
+    )
 
 
 @caught_by("neighbours", "ell", "letter", "blob_with_holes")
@@ -172,8 +184,11 @@ def contact_listed_twice(a: Accused) -> Accused:
     k = a.skeleton
     starts = k.contact_start.copy()
     starts[-1] += 1
-    return a.with_discs(contact_start=starts, contact_site=np.append(k.contact_site, k.contact_site[-1]),
-                        contact_s=np.append(k.contact_s, k.contact_s[-1]))
+    return a.with_discs(
+        contact_start=starts,
+        contact_site=np.append(k.contact_site, k.contact_site[-1]),
+        contact_s=np.append(k.contact_s, k.contact_s[-1]),
+    )
 
 
 # Boundary ------------------------------------------------------------------------------------------------------------
@@ -312,7 +327,7 @@ def closed_curve_opened(a: Accused) -> Accused:
     return a.with_curves(cp=moved(a.curves.cp, (0, 0), 1e-6))
 
 
-@caught_by("curves_continuous", "letter", "blob")
+@caught_by("curves_continuous", "letter", "ell")
 def curve_torn(a: Accused) -> Accused:
     """An inner knot becomes as multiple as the end knots, and what follows it is moved."""
     c = a.curves
@@ -329,7 +344,9 @@ def curve_torn(a: Accused) -> Accused:
     cp = np.insert(c.cp, row, c.cp[row], axis=0)
     cp[row, 1] += 1e-6
     after = np.arange(len(c.degree) + 1) > g
-    return a.with_curves(knots=np.insert(c.knots, at, c.knots[at]), cp=cp, knot_start=c.knot_start + after, cp_start=c.cp_start + after)
+    return a.with_curves(
+        knots=np.insert(c.knots, at, c.knots[at]), cp=cp, knot_start=c.knot_start + after, cp_start=c.cp_start + after
+    )
 
 
 @caught_by("curves_continuous", "letter", "blob")

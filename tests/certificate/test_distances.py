@@ -7,8 +7,9 @@ import pytest
 
 from mat_core.certificate.certify import _depths
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.judge import balls, distances, fill_boxes, foot, frames_at
+from mat_core.kernels.judge import balls, distances, fill_boxes, foot
 from mat_core.kernels.layout import FAN, KIND
+from mat_core.kernels.rows import frames_at
 from tests.certificate.accused import accused
 
 DENSE = 2000

@@ -18,8 +18,9 @@ def test_correct_axis_passes(name: str, tolerance: float) -> None:
     a = accused(name, tolerance)
     certificate = a.judge()
     assert certificate["passed"], {n: c for n, c in certificate["checks"].items() if not c["passed"]}
-    assert set(certificate["checks"]) == set(CHECKS) - (set() if len(a.curves.degree) else {"curves_ends", "curves_on_axis",
-                                                                                           "curves_empty"})
+    assert set(certificate["checks"]) == set(CHECKS) - (
+        set() if len(a.curves.degree) else {"curves_ends", "curves_on_axis", "curves_empty"}
+    )
     for check, found in certificate["checks"].items():
         if CHECKS[check].unit == LENGTH and check != "curves_tolerance":
             assert found["measured"] <= 1e-11, check
