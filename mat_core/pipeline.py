@@ -93,7 +93,7 @@ def _check_options(tolerance: float, method: str, step: float | None, smooth_ang
         raise UnsupportedOption("method", f"{method!r} is not available; use one of {', '.join(METHODS)}")
     if not TOLERANCE_RANGE[0] <= tolerance <= TOLERANCE_RANGE[1]:
         raise UnsupportedOption("tolerance", f"{tolerance} is not between {TOLERANCE_RANGE[0]} and {TOLERANCE_RANGE[1]}")
-    if step is not None and not (1e-6 <= step and math.isfinite(step)):
+    if step is not None and not (step >= 1e-6 and math.isfinite(step)):
         raise UnsupportedOption("step", f"{step} is not a number of at least 1e-6")
     if not 0.0 <= smooth_angle <= 0.1:
         raise UnsupportedOption("smooth_angle", f"{smooth_angle} is not between 0 and 0.1 rad")

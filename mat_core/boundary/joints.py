@@ -11,7 +11,7 @@ import math
 
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import jit
-from mat_core.kernels.layout import K0, K1, TX0, TX1, TY0, TY1, X0, X1, Y0, Y1
+from mat_core.kernels.layout import K0, K1, TX0, TY0, X0, X1, Y0, Y1
 
 CUSP_ANGLE = 1e-7  # a turn nearer than this to a half turn is a cusp, its side is decided by the curves, not by the angle
 

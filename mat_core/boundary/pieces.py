@@ -14,16 +14,17 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.bernstein import MAX_DEPTH, add_product, clear_row, scale_row, sign_changes
+from mat_core.kernels.bernstein import add_product, clear_row, scale_row, sign_changes
+from mat_core.kernels.bezier import restrict
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
 
 # columns of the tables of pieces
 P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN = range(6)
-P_UA, P_UB, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y = range(5)
+P_UA, P_UB, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(6)  # P_FRAME: (known, tx, ty, k) at both ends
 PI_WIDTH = 6
-PF_WIDTH = 5
+PF_WIDTH = 13
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
@@ -149,33 +150,13 @@ def curvature_changes(cp, c0, deg, rational, table, work, bounds, roots):
 
 
 @jit
-def subdivide(cp, c0, deg, rational, s, left, right):
-    """De Casteljau at s: the left part to rows left.., the right part to rows right.. (right may equal c0)."""
-    for i in range(deg + 1):
-        cp[right + i, 0] = cp[c0 + i, 0]
-        cp[right + i, 1] = cp[c0 + i, 1]
-        cp[right + i, 2] = cp[c0 + i, 2]
-    for level in range(deg + 1):
-        cp[left + level, 0] = cp[right, 0]
-        cp[left + level, 1] = cp[right, 1]
-        cp[left + level, 2] = cp[right, 2]
-        for i in range(deg - level):
-            w0 = (1.0 - s) * cp[right + i, 2]
-            w1 = s * cp[right + i + 1, 2]
-            w = w0 + w1 if rational else 1.0
-            share = w1 / w if rational else s
-            cp[right + i, 0] += share * (cp[right + i + 1, 0] - cp[right + i, 0])
-            cp[right + i, 1] += share * (cp[right + i + 1, 1] - cp[right + i, 1])
-            cp[right + i, 2] = w
-
-
-@jit
-def total_turning(cp, c0, deg, rational):
-    """Sum of the absolute turns of the tangent between five parameters (pieces here have at most one inflection)."""
+def total_turning(cp, c0, deg, rational, begin, end):
+    """Sum of the absolute turns of the tangent between nine parameters (pieces here have at most one inflection)."""
     total = 0.0
     px = py = 0.0
     for step in range(9):
-        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, 0.125 * step, 0.0, 0.0)
+        s = begin + 0.125 * step * (end - begin)
+        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, 0.0, 0.0)
         if x1 == 0.0 and y1 == 0.0:
             continue
         if px != 0.0 or py != 0.0:
@@ -248,86 +229,90 @@ def circle_of(cp, c0, deg, rounding, table):
 
 
 @jit
-def cut_beziers(bez_i, bez_u, first, last, cp, cp_used, pieces_i, pieces_f, count, rounding, table, work, bounds, roots):
-    """Cut Beziers first .. last-1 (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_u`: ua, ub) into pieces, in order.
+def _emit_piece(cp, c0, deg, rational, begin, end, target, pieces_f, row):
+    """Control points of the part [begin, end] to rows target.. of `cp`, and its end frames from the whole Bezier.
 
-    New pieces go behind row `count`, new control points behind row `cp_used` of `cp`. Returns (pieces, cp_used); pieces = -1 if
-    a buffer is too small.
+    A short part's own control points tell its curvature badly (their second differences cancel), the whole Bezier does not.
     """
-    capacity = pieces_i.shape[0]
-    for b in range(first, last):
-        deg = bez_i[b, 0]
-        c0 = bez_i[b, 1]
-        rational = bez_i[b, 2]
-        ua = bez_u[b, 0]
-        ub = bez_u[b, 1]
-        kind = SPIRAL
-        k = cx = cy = 0.0
-        n_roots = 0
-        if is_straight(cp, c0, deg, rounding):
-            kind = LINE
-        else:
-            if rational == 1:
-                k, cx, cy = circle_of(cp, c0, deg, 8.0 * rounding, table)
-            if k != 0.0:
-                kind = ARC
+    if begin == 0.0 and end == 1.0:
+        for i in range(deg + 1):
+            for axis in range(3):
+                cp[target + i, axis] = cp[c0 + i, axis]
+    else:
+        restrict(cp, c0, deg, begin, end, cp, target)
+    for side in range(2):
+        s = begin if side == 0 else end
+        inside = 0.0 < s < 1.0
+        pieces_f[row, P_FRAME + 4 * side] = 1.0 if inside else 0.0
+        if inside:
+            x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, 0.0, 0.0)
+            speed = math.sqrt(x1 * x1 + y1 * y1)
+            if speed <= 1e-9 * math.sqrt(x2 * x2 + y2 * y2):
+                pieces_f[row, P_FRAME + 4 * side] = 0.0
+                continue
+            pieces_f[row, P_FRAME + 4 * side + 1] = x1 / speed
+            pieces_f[row, P_FRAME + 4 * side + 2] = y1 / speed
+            pieces_f[row, P_FRAME + 4 * side + 3] = (x1 * y2 - y1 * x2) / (speed * speed * speed)
+
+
+@jit
+def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, table, work, bounds,
+                roots):
+    """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_u`: ua, ub) into pieces, in loop order.
+
+    New control points go behind row `cp_used` of `cp`. Returns (pieces, rows of cp); pieces = -1 if a buffer is too small.
+    """
+    count = 0
+    piece_loop_start[0] = 0
+    for loop in range(bez_loop_start.shape[0] - 1):
+        for b in range(bez_loop_start[loop], bez_loop_start[loop + 1]):
+            deg = bez_i[b, 0]
+            c0 = bez_i[b, 1]
+            rational = bez_i[b, 2]
+            kind = SPIRAL
+            k = cx = cy = 0.0
+            n_roots = 0
+            if is_straight(cp, c0, deg, rounding):
+                kind = LINE
             else:
-                n_roots = curvature_changes(cp, c0, deg, rational, table, work, bounds, roots)
-        done = 0.0
-        for cut in range(n_roots + 1):
-            s = 1.0
-            if cut < n_roots:
-                s = roots[cut]
-                if s - done < ROOT_GAP or 1.0 - s < ROOT_GAP:
-                    continue
-            # the part of the Bezier from `done` to s, halved until it turns little; `depth` parts wait, the first one is cut
-            if cp_used + 3 * (deg + 1) > cp.shape[0]:
-                return -1, cp_used
-            piece = c0
-            if s < 1.0:
-                piece = cp_used
-                subdivide(cp, c0, deg, rational, (s - done) / (1.0 - done), piece, c0)
-                cp_used += deg + 1
-            begin = done
-            end = s
-            done = s
-            while True:
-                half = end
-                part = piece
-                while kind != LINE and half - begin > 1e-9 and total_turning(cp, part, deg, rational) > MAX_TURN:
-                    if cp_used + deg + 1 > cp.shape[0]:
+                if rational == 1:
+                    k, cx, cy = circle_of(cp, c0, deg, 8.0 * rounding, table)
+                if k != 0.0:
+                    kind = ARC
+                else:
+                    n_roots = curvature_changes(cp, c0, deg, rational, table, work, bounds, roots)
+            begin = 0.0
+            for cut in range(n_roots + 1):
+                stop = 1.0
+                if cut < n_roots:
+                    stop = roots[cut]
+                    if stop - begin < ROOT_GAP or 1.0 - stop < ROOT_GAP:
+                        continue
+                while begin < stop:
+                    end = stop
+                    while kind != LINE and end - begin > 1e-9 and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
+                        end = begin + 0.5 * (end - begin)
+                    if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                         return -1, cp_used
-                    # the left half is examined further; the right part is taken up again from the remaining Bezier
-                    left = cp_used
-                    right = cp_used + deg + 1
-                    if right + deg + 1 > cp.shape[0]:
-                        return -1, cp_used
-                    subdivide(cp, part, deg, rational, 0.5, left, right)
-                    cp_used = right
-                    part = left
-                    half = begin + 0.5 * (half - begin)
-                if half < end:
-                    # cut the remaining Bezier at the same parameter, so that both sides share the very same point
-                    if cp_used + deg + 1 > cp.shape[0]:
-                        return -1, cp_used
-                    part = cp_used
-                    subdivide(cp, piece, deg, rational, (half - begin) / (end - begin), part, piece)
+                    _emit_piece(cp, c0, deg, rational, begin, end, cp_used, pieces_f, count)
+                    if begin > 0.0:
+                        # both sides of a cut share the very same point
+                        before = pieces_i[count - 1, P_CP0] + deg
+                        cp[cp_used, 0] = cp[before, 0]
+                        cp[cp_used, 1] = cp[before, 1]
+                    pieces_i[count, P_KIND] = kind
+                    pieces_i[count, P_DEG] = deg
+                    pieces_i[count, P_CP0] = cp_used
+                    pieces_i[count, P_RATIONAL] = rational
+                    pieces_i[count, P_EDGE] = bez_i[b, 3]
+                    pieces_i[count, P_SPAN] = bez_i[b, 4]
+                    pieces_f[count, P_UA] = bez_u[b, 0] + begin * (bez_u[b, 1] - bez_u[b, 0])
+                    pieces_f[count, P_UB] = bez_u[b, 1] if end == 1.0 else bez_u[b, 0] + end * (bez_u[b, 1] - bez_u[b, 0])
+                    pieces_f[count, P_CURVATURE] = k
+                    pieces_f[count, P_CENTRE_X] = cx
+                    pieces_f[count, P_CENTRE_Y] = cy
                     cp_used += deg + 1
-                if count >= capacity:
-                    return -1, cp_used
-                pieces_i[count, P_KIND] = kind
-                pieces_i[count, P_DEG] = deg
-                pieces_i[count, P_CP0] = part
-                pieces_i[count, P_RATIONAL] = rational
-                pieces_i[count, P_EDGE] = bez_i[b, 3]
-                pieces_i[count, P_SPAN] = bez_i[b, 4]
-                pieces_f[count, P_UA] = ua + begin * (ub - ua)
-                pieces_f[count, P_UB] = ub if half == 1.0 else ua + half * (ub - ua)
-                pieces_f[count, P_CURVATURE] = k
-                pieces_f[count, P_CENTRE_X] = cx
-                pieces_f[count, P_CENTRE_Y] = cy
-                count += 1
-                if half == end:
-                    break
-                begin = half
+                    count += 1
+                    begin = end
+        piece_loop_start[loop + 1] = count
     return count, cp_used

@@ -14,15 +14,65 @@ from numpy.typing import NDArray
 
 from mat_core.boundary.joints import CUSP_ANGLE, cusp_is_convex, end_frame
 from mat_core.boundary.pieces import (
-    P_CENTRE_X, P_CENTRE_Y, P_CP0, P_CURVATURE, P_DEG, P_EDGE, P_KIND, P_RATIONAL, P_SPAN, P_UA, P_UB, PF_WIDTH, PI_WIDTH,
-    SCRATCH_ROWS, cut_beziers, scratch_width,
+    P_CENTRE_X,
+    P_CENTRE_Y,
+    P_CP0,
+    P_CURVATURE,
+    P_DEG,
+    P_EDGE,
+    P_FRAME,
+    P_KIND,
+    P_RATIONAL,
+    P_SPAN,
+    P_UA,
+    P_UB,
+    PF_WIDTH,
+    PI_WIDTH,
+    SCRATCH_ROWS,
+    cut_beziers,
+    scratch_width,
 )
 from mat_core.kernels.bernstein import MAX_DEPTH
 from mat_core.kernels.bezier import decompose
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import (
-    ARC, CONVEX_VERTEX, CORNER, CP0, DEG, EDGE, FAN, K0, K1, KIND, LEN, LINE, LOOP, NEXT, PREV, RATIONAL, SF_WIDTH, SI_WIDTH,
-    SMOOTH_JOINT, SPAN, SWEEP, TX0, TX1, TY0, TY1, UA, UB, V0, V1, X0, X1, XMAX, XMIN, Y0, Y1, YMAX, YMIN,
+    ARC,
+    CONVEX_VERTEX,
+    CORNER,
+    CP0,
+    DEG,
+    EDGE,
+    FAN,
+    K0,
+    K1,
+    KIND,
+    LEN,
+    LINE,
+    LOOP,
+    NEXT,
+    PREV,
+    RATIONAL,
+    SF_WIDTH,
+    SI_WIDTH,
+    SMOOTH_JOINT,
+    SPAN,
+    SWEEP,
+    TX0,
+    TX1,
+    TY0,
+    TY1,
+    UA,
+    UB,
+    V0,
+    V1,
+    X0,
+    X1,
+    XMAX,
+    XMIN,
+    Y0,
+    Y1,
+    YMAX,
+    YMIN,
 )
 from mat_core.model.domain import Domain
 from mat_core.tolerances import Tolerances
@@ -154,14 +204,16 @@ def _fill_piece(pieces_i, pieces_f, p, cp, site, loop, vertex, vertex_after, noi
         sf[site, SWEEP] = sweep
         length = abs(sweep / k)
     else:
-        tx, ty, k = end_frame(cp, c0, deg, False, noise)
-        sf[site, TX0] = tx
-        sf[site, TY0] = ty
-        sf[site, K0] = k
-        tx, ty, k = end_frame(cp, c0, deg, True, noise)
-        sf[site, TX1] = tx
-        sf[site, TY1] = ty
-        sf[site, K1] = k
+        for side in range(2):
+            if pieces_f[p, P_FRAME + 4 * side] != 0.0:
+                tx = pieces_f[p, P_FRAME + 4 * side + 1]
+                ty = pieces_f[p, P_FRAME + 4 * side + 2]
+                k = pieces_f[p, P_FRAME + 4 * side + 3]
+            else:
+                tx, ty, k = end_frame(cp, c0, deg, side == 1, noise)
+            sf[site, TX0 + 2 * side] = tx
+            sf[site, TY0 + 2 * side] = ty
+            sf[site, K0 + side] = k
         sf[site, SWEEP] = 0.0
     sf[site, LEN] = length
 
@@ -297,9 +349,8 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
         pieces_i = np.empty((n_bez * room + 16, PI_WIDTH), dtype=np.int64)
         pieces_f = np.empty((n_bez * room + 16, PF_WIDTH))
         piece_loop_start = np.zeros(len(a.loop_start), dtype=np.int64)
-        n_pieces, rows = _cut_loops(
-            bez_i, bez_u, bez_loop_start, grown, used, pieces_i, pieces_f, rounding, table, work, bounds, roots,
-            piece_loop_start)
+        n_pieces, rows = cut_beziers(
+            bez_i, bez_u, bez_loop_start, grown, used, pieces_i, pieces_f, piece_loop_start, rounding, table, work, bounds, roots)
         if n_pieces >= 0:
             break
         room *= 4
@@ -309,18 +360,3 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     loop_start = np.empty(len(a.loop_start), dtype=np.int64)
     n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, 4.0 * rounding, si, sf, turns, loop_start)
     return SiteTable(si[:n], sf[:n], grown[:rows], loop_start, origin, scale)
-
-
-@jit
-def _cut_loops(bez_i, bez_u, bez_loop_start, cp, used, pieces_i, pieces_f, rounding, table, work, bounds, roots,
-               piece_loop_start):
-    """Step 2 loop by loop; returns (pieces, rows of cp), pieces = -1 when a buffer is too small."""
-    total = 0
-    piece_loop_start[0] = 0
-    for loop in range(bez_loop_start.shape[0] - 1):
-        total, used = cut_beziers(bez_i, bez_u, bez_loop_start[loop], bez_loop_start[loop + 1], cp, used, pieces_i, pieces_f,
-                                  total, rounding, table, work, bounds, roots)
-        if total < 0:
-            return -1, used
-        piece_loop_start[loop + 1] = total
-    return total, used

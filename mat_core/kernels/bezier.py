@@ -1,4 +1,4 @@
-"""Rational Bezier pieces: cutting a B-spline into them, evaluating them, subdividing them.
+"""Rational Bezier pieces: cutting a B-spline into them, cutting them smaller.
 
 A control point is a row ``(x, y, w)``: the **Euclidean** point and its weight, not the product. Every affine step
 between two rows is taken in the form
@@ -20,6 +20,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import jit
 
 Floats = NDArray[np.float64]
@@ -118,118 +119,14 @@ def restrict(cp: Floats, c0: int, degree: int, t0: float, t1: float, out: Floats
                 blend(out, o0 + i, o0 + i + 1, o0 + i, a)
 
 
-@jit
-def halve(rows: Floats, c0: int, degree: int, left: int, right: int) -> None:
-    """Split the piece at row `c0` at t = 1/2: the halves go to the blocks at rows `left` and `right` of the same
-    buffer.
-
-    `left` or `right` may be `c0` itself, not both.
-    """
-    if right != c0:
-        for i in range(degree + 1):
-            rows[right + i, 0] = rows[c0 + i, 0]
-            rows[right + i, 1] = rows[c0 + i, 1]
-            rows[right + i, 2] = rows[c0 + i, 2]
-    # Column r of the triangle leaves its first row to the left half; the last column run leaves the right half in
-    # place.
-    for r in range(degree + 1):
-        rows[left + r, 0] = rows[right, 0]
-        rows[left + r, 1] = rows[right, 1]
-        rows[left + r, 2] = rows[right, 2]
-        for i in range(degree - r):
-            blend(rows, right + i, right + i + 1, right + i, 0.5)
-
-
-@jit
 def point(cp: Floats, c0: int, degree: int, t: float) -> tuple[float, float]:
-    """The point at t in [0, 1], evaluated relative to the nearer end of the control polygon."""
-    o = c0 if t <= 0.5 else c0 + degree
-    ox = cp[o, 0]
-    oy = cp[o, 1]
-    sx, sy, sw = bernstein_sum(cp, c0, degree, t, ox, oy)
-    return ox + sx / sw, oy + sy / sw
-
-
-@jit
-def bernstein_sum(cp: Floats, c0: int, degree: int, t: float, ox: float, oy: float) -> tuple[float, float, float]:
-    """Sums of B_j(t) w_j (x_j - ox, y_j - oy, 1) up to a positive factor; Horner in the smaller of t/s and s/t."""
-    p = degree
-    s = 1.0 - t
-    sx = 0.0
-    sy = 0.0
-    sw = 0.0
-    if t <= 0.5:
-        v = t / s
-        c = 1.0
-        for j in range(p, -1, -1):
-            w = c * cp[c0 + j, 2]
-            sx = sx * v + w * (cp[c0 + j, 0] - ox)
-            sy = sy * v + w * (cp[c0 + j, 1] - oy)
-            sw = sw * v + w
-            c = c * j / (p - j + 1)
+    """The point at t in [0, 1]. Interpreted: for the few places that are told to people."""
+    if degree == 1:
+        share = t * cp[c0 + 1, 2] / ((1.0 - t) * cp[c0, 2] + t * cp[c0 + 1, 2])
+        start = cp[c0, :2]
+        x, y = start + share * (cp[c0 + 1, :2] - start)
     else:
-        v = s / t
-        c = 1.0
-        for j in range(p + 1):
-            w = c * cp[c0 + j, 2]
-            sx = sx * v + w * (cp[c0 + j, 0] - ox)
-            sy = sy * v + w * (cp[c0 + j, 1] - oy)
-            sw = sw * v + w
-            c = c * (p - j) / (j + 1)
-    return sx, sy, sw
-
-
-@jit
-def derivatives(
-    cp: Floats, c0: int, degree: int, t: float, ox: float, oy: float
-) -> tuple[float, float, float, float, float, float]:
-    """Position relative to (ox, oy), first and second derivative by t of the piece at row `c0`.
-
-    With X = sum B_j w_j (P_j - o), W = sum B_j w_j:  C = X/W,  C' = (X' - W' C)/W,  C'' = (X'' - 2 W' C' - W'' C)/W,
-    each sum from the control rows' first and second differences (Bernstein forms of degree p - 1 and p - 2).
-    """
-    p = degree
-    s = 1.0 - t
-    x = 0.0
-    y = 0.0
-    w = 0.0
-    x1 = 0.0
-    y1 = 0.0
-    w1 = 0.0
-    x2 = 0.0
-    y2 = 0.0
-    w2 = 0.0
-    b = 1.0  # C(p, j) t^j: multiplied in; s is folded in by Horner's rule
-    b1 = 1.0
-    b2 = 1.0
-    for j in range(p + 1):
-        wj = cp[c0 + j, 2]
-        xj = wj * (cp[c0 + j, 0] - ox)
-        yj = wj * (cp[c0 + j, 1] - oy)
-        x = x * s + b * xj
-        y = y * s + b * yj
-        w = w * s + b * wj
-        b = b * t * (p - j) / (j + 1)
-        if j < p:
-            wn = cp[c0 + j + 1, 2]
-            xn = wn * (cp[c0 + j + 1, 0] - ox)
-            yn = wn * (cp[c0 + j + 1, 1] - oy)
-            x1 = x1 * s + b1 * (xn - xj)
-            y1 = y1 * s + b1 * (yn - yj)
-            w1 = w1 * s + b1 * (wn - wj)
-            b1 = b1 * t * (p - 1 - j) / (j + 1)
-            if j < p - 1:
-                wm = cp[c0 + j + 2, 2]
-                x2 = x2 * s + b2 * (wm * (cp[c0 + j + 2, 0] - ox) - 2.0 * xn + xj)
-                y2 = y2 * s + b2 * (wm * (cp[c0 + j + 2, 1] - oy) - 2.0 * yn + yj)
-                w2 = w2 * s + b2 * (wm - 2.0 * wn + wj)
-                b2 = b2 * t * (p - 2 - j) / (j + 1)
-    cx = x / w
-    cy = y / w
-    w1 *= p
-    w2 *= p * (p - 1)
-    dx = (p * x1 - w1 * cx) / w
-    dy = (p * y1 - w1 * cy) / w
-    ddx = (p * (p - 1) * x2 - 2.0 * w1 * dx - w2 * cx) / w
-    ddy = (p * (p - 1) * y2 - 2.0 * w1 * dy - w2 * cy) / w
-    return cx, cy, dx, dy, ddx, ddy
+        ox, oy = cp[c0 if t <= 0.5 else c0 + degree, :2]
+        x, y = bezier_frame(cp, c0, degree, degree, t, ox, oy)[:2]
+        x, y = ox + x, oy + y
+    return float(x), float(y)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.disc import touch
 from mat_core.kernels.curve import evaluate
+from mat_core.kernels.disc import touch
 from mat_core.kernels.jit import jit
-from mat_core.kernels.layout import NEXT, PREV, V0, V1, X0, X1, XMAX, XMIN, Y0, Y1, YMAX, YMIN
+from mat_core.kernels.layout import FAN, KIND, NEXT, PREV, V0, V1, X0, X1, XMAX, XMIN, Y0, Y1, YMAX, YMIN
 
 LEAF = 4
 STACK = 128  # twice the depth of a tree over 2**60 sites
@@ -130,12 +130,17 @@ def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
                 limit = (r + ROUNDING) * (r + ROUNDING)
                 cx = px + r * nx
                 cy = py + r * ny
-    # a contact at the end of a site is tangent there only if the site beyond the joint does not take it over
-    if best_j >= 0 and (best_s <= 0.0 or best_s >= 1.0):
-        beyond = si[best_j, PREV] if best_s <= 0.0 else si[best_j, NEXT]
-        if beyond != i and beyond != skip:
-            phi, sj = touch_candidate(si, sf, cp, i, beyond, px, py, d0x, d0y, d1x, d1y, nx, ny)
-            if 0.0 < sj < 1.0 and phi >= best * (1.0 - 1e-12):
-                best_j = beyond
-                best_s = sj
+    # a contact at the end of a site is tangent there only if the site beyond the joint does not take it over; a fan passes it on
+    forward = best_s >= 1.0
+    while best_j >= 0 and (best_s >= 1.0 if forward else best_s <= 0.0):
+        beyond = si[best_j, NEXT] if forward else si[best_j, PREV]
+        if beyond == i or beyond == skip:
+            break
+        phi, sj = touch_candidate(si, sf, cp, i, beyond, px, py, d0x, d0y, d1x, d1y, nx, ny)
+        inside = 0.0 < sj < 1.0
+        through = si[beyond, KIND] == FAN and (sj >= 1.0 if forward else sj <= 0.0)
+        if phi < best * (1.0 - 1e-12) or not (inside or through):
+            break
+        best_j = beyond
+        best_s = sj
     return best, best_j, best_s

@@ -17,7 +17,26 @@ from numpy.typing import NDArray
 
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import (
-    ARC, CP0, DEG, FAN, K0, K1, KIND, LINE, RATIONAL, SWEEP, TX0, TX1, TY0, TY1, UA, UB, X0, X1, Y0, Y1,
+    ARC,
+    CP0,
+    DEG,
+    FAN,
+    K0,
+    K1,
+    KIND,
+    LINE,
+    RATIONAL,
+    SWEEP,
+    TX0,
+    TX1,
+    TY0,
+    TY1,
+    UA,
+    UB,
+    X0,
+    X1,
+    Y0,
+    Y1,
 )
 
 Floats = NDArray  # (n, k) float64

@@ -24,7 +24,26 @@ import math
 from mat_core.kernels.curve import bezier_frame, evaluate
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import (
-    ARC, CP0, DEG, FAN, K0, K1, KIND, LEN, LINE, RATIONAL, SWEEP, TX0, TX1, TY0, TY1, V0, V1, X0, X1, Y0, Y1,
+    ARC,
+    CP0,
+    DEG,
+    FAN,
+    K0,
+    KIND,
+    LEN,
+    LINE,
+    RATIONAL,
+    SWEEP,
+    TX0,
+    TX1,
+    TY0,
+    TY1,
+    V0,
+    V1,
+    X0,
+    X1,
+    Y0,
+    Y1,
 )
 
 NEWTON_STEPS = 60
@@ -74,7 +93,7 @@ def touch_fan(sf, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
 def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     """LINE and ARC in closed form, about one end (ref, normal m, signed curvature k), g = p - ref:
 
-        r = (2 g.m - k |g|^2) / (2 (k n.g + |n - m|^2 / 2))
+    r = (2 g.m - k |g|^2) / (2 (k n.g + |n - m|^2 / 2))
     """
     from_end = sf[j, X1] == ox and sf[j, Y1] == oy
     rx = sf[j, X1] if from_end else sf[j, X0]

@@ -16,9 +16,10 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.bezier import Floats, Ints, bernstein_sum, derivatives, restrict
+from mat_core.kernels.bezier import Floats, Ints, restrict
+from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import jit
-from mat_core.kernels.outline import BLOCK, CP0, DEEPEST, DEG
+from mat_core.kernels.outline import BLOCK, CP0, DEG, span_of
 
 # Columns of `tasks`: pieces i and j over [I0, I1] and [J0, J1], the boundary path from the end of i ahead to the start
 # of j and from the end of j back to the start of i (infinite between loops, zero where they are adjacent).
@@ -31,41 +32,31 @@ SAME_DIRECTION = 1e-10  # sine below which two cone sides count as one
 NO_DIRECTION = 1e-15  # control points this near to V tell no direction: the rounding of normalised coordinates
 SAMPLES = 8  # points at which a tip's thickness is measured
 BISECTIONS = 45  # of a parameter range, when a footpoint is sought
+DEEPEST = 50  # halvings towards V
 
 
 @jit
-def span_of(rows: Floats, c: int, p: int) -> float:
-    """Largest distance, by coordinate, of a block's control points from its first one."""
-    extent = 0.0
-    for i in range(1, p + 1):
-        dx = abs(rows[c + i, 0] - rows[c, 0])
-        dy = abs(rows[c + i, 1] - rows[c, 1])
-        extent = dx if dx > extent else extent
-        extent = dy if dy > extent else extent
-    return extent
+def distance(a: Floats, i: int, b: Floats, j: int) -> float:
+    """Between the points of row i of `a` and row j of `b`."""
+    return math.hypot(a[i, 0] - b[j, 0], a[i, 1] - b[j, 1])
 
 
 @jit
 def cone_seen_from(rows: Floats, v: int, far: int, step: int, p: int) -> tuple[float, float, float, float]:
     """Unit sides lo (right) and hi (left) of the cone of p control points, from row `far` on, seen from row `v`."""
     lx = ly = hx = hy = 0.0
-    k = far
-    for _ in range(p):
-        x = rows[k, 0] - rows[v, 0]
-        y = rows[k, 1] - rows[v, 1]
-        length = math.hypot(x, y)
-        k -= step
+    for n in range(p):
+        k = far - n * step
+        length = distance(rows, k, rows, v)
         if length <= NO_DIRECTION:
             continue
-        x /= length
-        y /= length
-        if lx == 0.0 and ly == 0.0:
-            lx = hx = x
-            ly = hy = y
-        elif hx * y - hy * x > 0.0:
+        x = (rows[k, 0] - rows[v, 0]) / length
+        y = (rows[k, 1] - rows[v, 1]) / length
+        new = lx == 0.0 and ly == 0.0
+        if new or hx * y - hy * x > 0.0:
             hx = x
             hy = y
-        elif lx * y - ly * x < 0.0:
+        if new or lx * y - ly * x < 0.0:
             lx = x
             ly = y
     return lx, ly, hx, hy
@@ -93,38 +84,49 @@ def cones_part(rows: Floats, p: int, q: int) -> bool:
 
 
 @jit
+def place_on(rows: Floats, c: int, p: int, t: float, ox: float, oy: float) -> tuple[float, float, float, float]:
+    """Point of a block relative to (ox, oy) and its derivative; on a line t counts along the chord, weights or not."""
+    if p == 1:
+        dx = rows[c + 1, 0] - rows[c, 0]
+        dy = rows[c + 1, 1] - rows[c, 1]
+        return rows[c, 0] - ox + t * dx, rows[c, 1] - oy + t * dy, dx, dy
+    x, y, dx, dy, _, _ = bezier_frame(rows, c, p, p, t, ox, oy)
+    return x, y, dx, dy
+
+
+@jit
 def distance_to(rows: Floats, c: int, p: int, x: float, y: float) -> float:
     """Distance from (x, y) to the gentle block at row `c`: bisection of (C - q).C' from its two ends."""
     lo = 0.0
     hi = 1.0
-    near = min(math.hypot(rows[c, 0] - x, rows[c, 1] - y), math.hypot(rows[c + p, 0] - x, rows[c + p, 1] - y))
+    near = math.hypot(rows[c, 0] - x, rows[c, 1] - y)
+    t = 1.0
     for _ in range(BISECTIONS):
-        t = 0.5 * (lo + hi)
-        cx, cy, dx, dy, _, _ = derivatives(rows, c, p, t, x, y)
-        near = min(near, math.hypot(cx, cy))
+        cx, cy, dx, dy = place_on(rows, c, p, t, x, y)
+        d = math.hypot(cx, cy)
+        if d < near:
+            near = d
         if cx * dx + cy * dy < 0.0:
             lo = t
         else:
             hi = t
+        t = 0.5 * (lo + hi)
     return near
 
 
 @jit
 def thickness(rows: Floats, p: int, q: int, limit: float) -> float:
     """How far the shorter of blocks 0 and BLOCK strays from the other, at SAMPLES points; stops beyond `limit`."""
-    la = math.hypot(rows[p, 0] - rows[0, 0], rows[p, 1] - rows[0, 1])
-    lb = math.hypot(rows[BLOCK + q, 0] - rows[BLOCK, 0], rows[BLOCK + q, 1] - rows[BLOCK, 1])
-    c = 0 if la <= lb else BLOCK
-    d = p if la <= lb else q
-    other = BLOCK if la <= lb else 0
-    degree = q if la <= lb else p
+    first = distance(rows, 0, rows, p) <= distance(rows, BLOCK, rows, BLOCK + q)
+    c = 0 if first else BLOCK
+    d = p if first else q
     thick = 0.0
     for k in range(SAMPLES):
-        t = k / SAMPLES if la <= lb else 1.0 - k / SAMPLES
-        ox = rows[c, 0]
-        oy = rows[c, 1]
-        sx, sy, sw = bernstein_sum(rows, c, d, t, ox, oy)
-        thick = max(thick, distance_to(rows, other, degree, ox + sx / sw, oy + sy / sw))
+        t = k / SAMPLES if first else 1.0 - k / SAMPLES
+        x, y, _, _ = place_on(rows, c, d, t, 0.0, 0.0)
+        off = distance_to(rows, BLOCK - c, p + q - d, x, y)
+        if off > thick:
+            thick = off
         if thick > limit:
             break
     return thick
@@ -137,9 +139,9 @@ def lines_fold(pcp: Floats, a: int, b: int, gap: float) -> bool:
     uy = pcp[a, 1] - pcp[a + 1, 1]
     vx = pcp[b + 1, 0] - pcp[b, 0]
     vy = pcp[b + 1, 1] - pcp[b, 1]
-    if ux * vx + uy * vy <= 0.0:
-        return False
-    return abs(ux * vy - uy * vx) <= gap * max(math.hypot(ux, uy), math.hypot(vx, vy))
+    off = abs(ux * vy - uy * vx)
+    along = ux * vx + uy * vy > 0.0
+    return along and (off <= gap * math.hypot(ux, uy) or off <= gap * math.hypot(vx, vy))
 
 
 @jit
@@ -184,7 +186,7 @@ def plan_joint(
         restrict(pcp, pi[i, CP0], p, i0, 1.0, work, 0)
         restrict(pcp, pi[j, CP0], q, 0.0, j1, work, BLOCK)
         if cones_part(work, p, q):
-            return False, n
+            break
         sa = span_of(work, 0, p)
         sb = span_of(work, BLOCK, q)
         thick = thickness(work, p, q, THIN * gap)

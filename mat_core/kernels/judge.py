@@ -395,12 +395,13 @@ def balls(si, sf, cp, frame, other, interval, disc, foot_s, partner):
             qx, qy, ux, uy, k, speed = evaluate(si, sf, cp, j, s, px, py)
             ahead = tx * qy - ty * qx
             if not ahead > 0.0:
-                # not met yet, or from the wrong side: begin with a larger ball
+                # nothing met yet, or only the footpoint itself, where both sites end: begin with a larger ball
                 growths += 1
                 if growths > GROWTHS:
                     r = math.inf
                     break
                 r *= 2.0
+                s = 0.5 * (lo + hi)
                 continue
             new = (qx * qx + qy * qy) / (2.0 * ahead)
             settled = abs(new - r) <= BALL_SETTLED * new

@@ -17,8 +17,27 @@ from mat_core.kernels.boxtree import query
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import (
-    ARC, ARC_CONTACT, CONVEX_VERTEX, CORNER, CURVATURE_LEAF, FAN, K0, K1, KIND, LOOP, NEXT, PREV, SPIRAL, SWEEP, THROUGH, TX0,
-    TX1, TY0, TY1, VERTEX_LEAF, X0, X1, Y0, Y1,
+    ARC,
+    ARC_CONTACT,
+    CONVEX_VERTEX,
+    CORNER,
+    CURVATURE_LEAF,
+    FAN,
+    K0,
+    K1,
+    KIND,
+    LOOP,
+    NEXT,
+    PREV,
+    SWEEP,
+    THROUGH,
+    TX0,
+    TX1,
+    TY0,
+    TY1,
+    VERTEX_LEAF,
+    X0,
+    Y0,
 )
 
 OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is better by more than rounding

@@ -6,7 +6,6 @@ faces; 5. branch points are solved inside the faces.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +20,14 @@ from mat_core.kernels.layout import ARC_CONTACT, LOOP, THROUGH, X0, Y0
 from mat_core.tolerances import Tolerances
 from mat_core.topology.branches import solve_faces
 from mat_core.topology.discs import (
-    OK, all_joint_discs, connect_loops, contact_angle, find, group_contacts, unite_at_joints, unite_crossed,
+    OK,
+    all_joint_discs,
+    connect_loops,
+    contact_angle,
+    find,
+    group_contacts,
+    unite_at_joints,
+    unite_crossed,
     unite_interleaved,
 )
 from mat_core.topology.faces import cut_arcs, link_arcs, list_faces
