@@ -79,7 +79,7 @@ def _solve(domain: Domain, tolerance: float, step: float | None, smooth_angle: f
     table = build_sites(domain, smooth_angle, tolerances)
     skeleton, graph = build_graph(table, build_skeleton(table, tolerances), tolerances)
     axis = build_axis(domain, table, skeleton, graph, tolerance, step)
-    certificate = certify(table, skeleton, graph, axis.curves, tolerance)
+    certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain)
     if not certificate["passed"]:
         name, check = next((name, check) for name, check in certificate["checks"].items() if not check["passed"])
         place = tuple(check["place"]) if check.get("place") else None

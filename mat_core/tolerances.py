@@ -27,14 +27,15 @@ class Tolerances:
 
     rounding: float = 4.5e-16
     same_disc: float = 1e-12
-    same_crossed: float = 1e-8
+    same_crossed: float = 1e-10
     tie: float = 1e-11
     same_node: float = 1e-11
 
 
 LADDER = (
     Tolerances(),
-    Tolerances(same_disc=1e-10, same_crossed=1e-7, tie=1e-9, same_node=1e-9),
-    Tolerances(same_disc=1e-14, same_crossed=1e-9, tie=1e-13, same_node=1e-13),
+    Tolerances(same_disc=1e-14, same_crossed=1e-12, tie=1e-13, same_node=1e-13),
+    Tolerances(same_crossed=1e-8),
+    Tolerances(same_disc=1e-10, same_crossed=1e-8, tie=1e-9, same_node=1e-9),
     Tolerances(same_disc=1e-8, same_crossed=1e-6, tie=1e-7, same_node=1e-8),
 )

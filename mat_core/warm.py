@@ -64,7 +64,7 @@ def warm(progress: Callable[[str, int, int], None] | None = None) -> None:
     tell(4)
     axis = build_axis(domain, table, skeleton, graph, 1e-6, None)
     tell(5)
-    axis = axis.with_certificate(certify(table, skeleton, graph, axis.curves, 1e-6))
+    axis = axis.with_certificate(certify(table, skeleton, graph, axis.curves, 1e-6, domain=domain))
     tell(6)
     axis.to_json(samples=True)
 

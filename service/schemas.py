@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue
 
 Point = Annotated[list[FiniteFloat], Field(min_length=2, max_length=2, description="x, y in the caller's unit")]
 Count = Annotated[int, Field(ge=0)]
@@ -50,7 +50,7 @@ class Options(Request):
     """How to solve, and what to answer; lengths are fractions of the larger side of the bounding box."""
 
     tolerance: Annotated[float, Field(ge=1e-12, le=0.1, description="largest error of a fitted curve")] = 1e-6
-    step: Annotated[float, Field(ge=1e-6, description="largest spacing of sample points")] | None = None
+    step: Annotated[float, Field(ge=1e-6, le=1e300, description="largest spacing of sample points")] | None = None
     method: Annotated[Literal["discs", "march"], Field(description="march: the published procedure")] = "discs"
     check_step: Annotated[int, Field(ge=1, le=10**6, description="march: steps between checks for a branch")] | None = (
         None
@@ -70,6 +70,8 @@ class DomainRequest(Request):
     holes: Annotated[list[Loop] | None, Field(description="disjoint loops inside the outer one")] = None
     options: Options | None = None
     name: Annotated[str | None, Field(description="free text, ignored")] = None
+    note: Annotated[JsonValue, Field(description="annotation of any kind, ignored")] = None
+    truth: Annotated[JsonValue, Field(description="annotation of any kind, ignored; test benches keep answers here")] = None
 
 
 class Footpoint(Answer):

@@ -119,14 +119,21 @@ def restrict(cp: Floats, c0: int, degree: int, t0: float, t1: float, out: Floats
                 blend(out, o0 + i, o0 + i + 1, o0 + i, a)
 
 
+def derivatives(
+    cp: Floats, c0: int, degree: int, t: float, ox: float, oy: float
+) -> tuple[float, float, float, float, float, float]:
+    """Position relative to (ox, oy), first and second derivative by t; degree >= 2. Interpreted, for typed callers."""
+    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, degree, degree, t, ox, oy)
+    return x, y, x1, y1, x2, y2
+
+
 def point(cp: Floats, c0: int, degree: int, t: float) -> tuple[float, float]:
     """The point at t in [0, 1]. Interpreted: for the few places that are told to people."""
+    start = c0 if t <= 0.5 else c0 + degree
+    ox, oy = cp[start, :2].tolist()
     if degree == 1:
-        share = t * cp[c0 + 1, 2] / ((1.0 - t) * cp[c0, 2] + t * cp[c0 + 1, 2])
-        start = cp[c0, :2]
-        x, y = start + share * (cp[c0 + 1, :2] - start)
-    else:
-        ox, oy = cp[c0 if t <= 0.5 else c0 + degree, :2]
-        x, y = bezier_frame(cp, c0, degree, degree, t, ox, oy)[:2]
-        x, y = ox + x, oy + y
-    return float(x), float(y)
+        share = t * cp[c0 + 1, 2] / ((1.0 - t) * cp[c0, 2] + t * cp[c0 + 1, 2]) - (start - c0)
+        dx, dy = (cp[c0 + 1, :2] - cp[c0, :2]).tolist()
+        return ox + float(share) * dx, oy + float(share) * dy
+    x, y, *_ = derivatives(cp, c0, degree, t, ox, oy)
+    return ox + x, oy + y

@@ -1,8 +1,8 @@
 """The one place where a function becomes a compiled kernel.
 
-Compiled kernels are kept on disk. Numba's own index notices a change of the file a kernel stands in, but not of a file whose kernels
-it calls; so each module's cache lies in a folder named by a digest of its source and of all sources of ours that it imports,
-directly or not. A stale kernel is therefore never loaded, and a change recompiles what depends on it and nothing else.
+Compiled kernels are kept on disk. Numba's own index notices a change of the file a kernel stands in, but not of a file whose
+kernels it calls; so each module's cache lies in a folder named by a digest of its source and of all sources of ours that it
+imports, directly or not. A stale kernel is therefore never loaded, and a change recompiles what depends on it and nothing else.
 
 Strict IEEE arithmetic is kept (no ``fastmath``): sign tests near zero decide topology.
 """
@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
-from numba.core import config, types
+from numba.core import config
+from numba.core.types.misc import unliteral
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -58,7 +59,7 @@ def fingerprint(path: Path) -> str:
 
 @functools.cache
 def cache_root() -> Path:
-    """Where compiled kernels are kept: NUMBA_CACHE_DIR, else beside the sources, else the user's cache, else a temporary folder."""
+    """Where compiled kernels are kept: NUMBA_CACHE_DIR, else beside the sources, else the user's cache, else a temporary one."""
     if config.CACHE_DIR:
         return Path(config.CACHE_DIR)
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
@@ -86,10 +87,10 @@ def jit(function: F) -> F:
 
 
 def _forget_literals(compiled: Any) -> None:
-    """Let kernels that call this one with a constant use the version for any number, instead of compiling one for each constant."""
+    """Let kernels that call this one with a constant use the version for any number, instead of one for each constant."""
     resolve = compiled.get_call_template
 
     def resolve_plain(args: Any, kws: Any) -> Any:
-        return resolve(tuple(types.unliteral(a) for a in args), {k: types.unliteral(a) for k, a in kws.items()})
+        return resolve(tuple(unliteral(a) for a in args), {k: unliteral(a) for k, a in kws.items()})
 
     compiled.get_call_template = resolve_plain

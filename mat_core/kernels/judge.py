@@ -24,6 +24,7 @@ from mat_core.kernels.layout import (
     KIND,
     LINE,
     RATIONAL,
+    SPIRAL,
     SWEEP,
     TX0,
     TX1,
@@ -50,6 +51,7 @@ BALL_STEPS = 40  # of the shrinking ball; five are usual
 BALL_SETTLED = 1e-14  # relative change of the radius that ends the iteration
 GROWTHS = 12  # doublings of the first radius until the ball meets the other side
 FIRST_RADIUS = 1e-3  # where none is known
+LARGEST = 1.0  # no disc in a domain of size at most 1 has a radius over 1/2
 
 
 @jit
@@ -391,19 +393,28 @@ def balls(si, sf, cp, frame, other, interval, disc, foot_s, partner):
         growths = 0
         qx = qy = ux = uy = 0.0
         for _ in range(BALL_STEPS):
-            s = foot(si, sf, cp, j, lo, hi, px - r * ty, py + r * tx, s)[1]
-            qx, qy, ux, uy, k, speed = evaluate(si, sf, cp, j, s, px, py)
-            ahead = tx * qy - ty * qx
-            if not ahead > 0.0:
+            # of the local feet that both ends and the middle lead to, the one that allows the smallest ball
+            new = math.inf
+            for attempt in range(3 if si[j, KIND] == SPIRAL else 1):
+                guess = lo + 0.5 * attempt * (hi - lo)
+                at = foot(si, sf, cp, j, lo, hi, px - r * ty, py + r * tx, guess)[1]
+                dx, dy, vx, vy, k, speed = evaluate(si, sf, cp, j, at, px, py)
+                ahead = 2.0 * (tx * dy - ty * dx)
+                if ahead * min(new, LARGEST) > dx * dx + dy * dy:
+                    new = (dx * dx + dy * dy) / ahead
+                    s = at
+                    qx = dx
+                    qy = dy
+                    ux = vx
+                    uy = vy
+            if new == math.inf:
                 # nothing met yet, or only the footpoint itself, where both sites end: begin with a larger ball
                 growths += 1
                 if growths > GROWTHS:
                     r = math.inf
                     break
                 r *= 2.0
-                s = 0.5 * (lo + hi)
                 continue
-            new = (qx * qx + qy * qy) / (2.0 * ahead)
             settled = abs(new - r) <= BALL_SETTLED * new
             r = new
             if settled:

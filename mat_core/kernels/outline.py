@@ -195,28 +195,28 @@ def sector_areas(pi: Ints, pcp: Floats, stack: Floats, out: Floats) -> None:
 
 
 @jit
-def farthest(pcp: Floats, c0: int, p: int, axis: int, sign: float, best: float, work: Floats, stack: Floats) -> float:
-    """Largest `sign` * coordinate `axis` on a piece, or `best` if that is larger: halve what reaches beyond it.
+def farthest(pi: Ints, pcp: Floats, axis: int, sign: float, best: float, work: Floats, stack: Floats) -> float:
+    """Largest `sign` * coordinate `axis` on these pieces, or `best` if that is larger: halve what reaches beyond it.
 
     Stops within NOTHING of the best: below it control points exceed the curve by rounding alone, on every half.
     """
-    top = 0
-    stack[0, 0] = 0.0
-    stack[0, 1] = 1.0
-    while top >= 0:
-        t0 = stack[top, 0]
-        t1 = stack[top, 1]
-        restrict(pcp, c0, p, t0, t1, work, 0)
-        reach = best
-        for k in range(p + 1):
-            value = sign * work[k, axis]
-            if value > reach:
-                reach = value
-            if value > best and (k == 0 or k == p):
-                best = value
-        if reach <= best + NOTHING or t1 - t0 <= NARROWEST:
-            top -= 1
-        else:
-            split_range(stack, top, 0)
-            top += 1
+    for i in range(pi.shape[0]):
+        p = pi[i, DEG]
+        top = 0
+        stack[0, 0] = 0.0
+        stack[0, 1] = 1.0
+        while top >= 0:
+            restrict(pcp, pi[i, CP0], p, stack[top, 0], stack[top, 1], work, 0)
+            reach = best
+            for k in range(p + 1):
+                value = sign * work[k, axis]
+                if value > reach:
+                    reach = value
+                if value > best and (k == 0 or k == p):
+                    best = value
+            if reach <= best + NOTHING or stack[top, 1] - stack[top, 0] <= NARROWEST:
+                top -= 1
+            else:
+                split_range(stack, top, 0)
+                top += 1
     return best

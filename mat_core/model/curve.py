@@ -72,15 +72,18 @@ class RationalBSpline:
         values = np.clip(asked, breaks[0], breaks[-1]).ravel()
         spans = np.clip(np.searchsorted(breaks, values, side="right") - 1, 0, len(breaks) - 2)
         out = np.empty((values.size, 2))
+        degree = self.degree
+        if degree == 1:
+            rows, degree = elevated_lines(rows), 2
         for i, (value, k) in enumerate(zip(values.tolist(), spans.tolist(), strict=True)):
-            width = breaks[k + 1] - breaks[k]
-            first = k * (self.degree + 1)
+            width = float(breaks[k + 1] - breaks[k])
+            first = k * (degree + 1)
             t = (value - breaks[k]) / width
-            origin = rows[first if t <= 0.5 else first + self.degree]
-            found = derivatives(rows, first, self.degree, t, origin[0], origin[1])
+            x, y = rows[first if t <= 0.5 else first + degree, :2].tolist()
+            found = derivatives(rows, first, degree, t, x, y)
             out[i] = found[2 * derivative : 2 * derivative + 2]
             if derivative == 0:
-                out[i] += origin[:2]
+                out[i] += (x, y)
             else:
                 out[i] /= width**derivative
         return out.reshape((*asked.shape, 2))
@@ -112,3 +115,11 @@ class RationalBSpline:
         if np.any(self.weights != 1.0):
             edge["weights"] = self.weights.tolist()
         return edge
+
+
+def elevated_lines(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Bezier pieces of degree 1, rows x, y, w, as pieces of degree 2: the kernel that evaluates begins there."""
+    start, end = rows[::2], rows[1::2]
+    weight = start[:, 2:] + end[:, 2:]
+    middle = start[:, :2] + end[:, 2:] / weight * (end[:, :2] - start[:, :2])
+    return np.stack((start, np.column_stack((middle, 0.5 * weight)), end), axis=1).reshape(-1, 3)

@@ -47,7 +47,8 @@ class Domain:
         obj : mapping
             ``{"outer": [edge, ...], "holes": [[edge, ...], ...], "options": {...}}``; an edge is ``{"degree": p,
             "control_points": [[x, y], ...], "knots": [...], "weights": [...]}``, a clamped rational B-spline. Knots may
-            be left out for a Bezier curve, weights when all are 1. A string ``name`` is kept.
+            be left out for a Bezier curve, weights when all are 1. A string ``name`` is kept; ``note`` and ``truth`` are
+            annotations, of any kind, and ignored. Lengths in the options are relative to `size`.
         max_control_points : int
             Size above which the domain is refused as too-complex.
 

@@ -42,57 +42,64 @@ class Flattening(NamedTuple):
 
 def flatten(outline: Outline, loops: Sequence[int]) -> Flattening:
     """Rings of the loops named (ascending). Assumes that each encloses some area or crosses itself."""
-    number = np.full(len(outline.measures), -1)
-    number[loops] = np.arange(len(loops))
-    ring_of = number[outline.pi[:, LOOP]]
-    pieces = np.flatnonzero(ring_of >= 0)
-    ring_of = ring_of[pieces]
+    ring_of = np.full(len(outline.measures), -1)
+    ring_of[loops] = np.arange(len(loops))
+    ring = ring_of[outline.pi[:, LOOP]]
+    pieces = np.flatnonzero(ring >= 0)
+    ring = ring[pieces]
     degree = outline.pi[pieces, DEG]
     rows = outline.pi[pieces, CP0]
+    most = max(FEWEST_CHORDS, min(MOST_CHORDS, MOST_POINTS // len(pieces)))
     chords = np.ones(len(pieces), dtype=np.int64)
     error = np.zeros(len(pieces))
-    most = max(FEWEST_CHORDS, min(MOST_CHORDS, MOST_POINTS // len(pieces)))
-    curved = np.unique(degree[degree > 1]).tolist()
-    for p in curved:
+    curves = []
+    for p in set(degree.tolist()) - {1}:
         chosen = np.flatnonzero(degree == p)
-        bend = bend_bound(outline.cp[rows[chosen, None] + np.arange(p + 1)])
-        wanted = np.clip(np.sqrt(bend / (8.0 * CHORD_ERROR)), FEWEST_CHORDS, most)
-        chords[chosen] = np.exp2(np.ceil(np.log2(wanted)))
-        error[chosen] = bend / (8.0 * chords[chosen] ** 2)
+        cp = outline.cp[rows[chosen, None] + np.arange(p + 1)]
+        bend = bend_bound(cp)
+        # One number for all pieces of a degree; extreme weights make the bound infinite.
+        wanted = math.sqrt(min(float(bend.max()) / (8.0 * CHORD_ERROR), most**2))
+        count = max(FEWEST_CHORDS, math.ceil(wanted))
+        chords[chosen] = count
+        error[chosen] = bend / (8.0 * count**2)
+        curves.append((chosen, basis(p, count), cp))
     start = np.cumsum(chords) - chords
     points = np.empty((int(chords.sum()), 2))
     points[start] = outline.cp[rows, :2]
-    for p in curved:
-        for count in np.unique(chords[degree == p]).tolist():
-            chosen = np.flatnonzero((degree == p) & (chords == count))
-            cp = outline.cp[rows[chosen, None] + np.arange(p + 1)]
-            cp[..., :2] *= cp[..., 2:]
-            sums = basis(p, count) @ cp
-            points[start[chosen, None] + np.arange(1, count)] = sums[..., :2] / sums[..., 2:]
-    worst = np.zeros(len(loops))
-    np.maximum.at(worst, ring_of, error)
-    return Flattening(shapely.linearrings(points, indices=np.repeat(ring_of, chords)), worst)
+    for chosen, values, cp in curves:
+        cp[..., :2] *= cp[..., 2:]
+        sums = values @ cp
+        points[start[chosen, None] + np.arange(1, len(values) + 1)] = sums[..., :2] / sums[..., 2:]
+    worst = np.maximum.reduceat(error, np.searchsorted(ring, np.arange(len(loops))))
+    return Flattening(shapely.linearrings(points, indices=np.repeat(ring, chords)), worst)
 
 
 def bend_bound(cp: NDArray[np.float64]) -> NDArray[np.float64]:
     """Bounds (k,) of |C''| for k pieces of one degree p >= 2, control points (k, p + 1, 3)."""
     p = cp.shape[1] - 1
-    w = cp[..., 2:] / cp[..., 2:].max(axis=1, keepdims=True)
     q = cp[..., :2] - cp[:, :1, :2]
+    w = cp[..., 2:]
+    if (w == w[:, :1]).all():
+        return _floats(p * (p - 1) * _longest(q[:, 2:] - 2.0 * q[:, 1:-1] + q[:, :-2]))
+    w = w / w.max(axis=1, keepdims=True)
     least = w.min(axis=(1, 2))
     far = _longest(q)
     wq1 = np.diff(w * q, axis=1)
     w1 = np.diff(w, axis=1)
     turn = p * _longest(w1)
     speed = (p * _longest(wq1) + turn * far) / least
-    bend: NDArray[np.float64] = p * (p - 1) * (_longest(np.diff(wq1, axis=1)) + _longest(np.diff(w1, axis=1)) * far)
-    return (bend + 2.0 * turn * speed) / least
+    bend = p * (p - 1) * (_longest(np.diff(wq1, axis=1)) + _longest(np.diff(w1, axis=1)) * far)
+    return _floats((bend + 2.0 * turn * speed) / least)
 
 
 def _longest(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Largest length (k,) among the vectors (k, n, 1 or 2) of each row."""
-    found: NDArray[np.float64] = np.sqrt(np.square(vectors).sum(axis=2).max(axis=1))
-    return found
+    return _floats(np.sqrt(np.einsum("kni,kni->kn", vectors, vectors).max(axis=1)))
+
+
+def _floats(values: Any) -> NDArray[np.float64]:
+    """What NumPy is known to return, for the type checker."""
+    return np.asarray(values, dtype=np.float64)
 
 
 @cache
@@ -101,8 +108,7 @@ def basis(degree: int, chords: int) -> NDArray[np.float64]:
     t = np.arange(1, chords)[:, None] / chords
     j = np.arange(degree + 1)
     binomials = np.array([float(math.comb(degree, k)) for k in j.tolist()])
-    values: NDArray[np.float64] = binomials * t**j * (1.0 - t) ** (degree - j)
-    return values
+    return _floats(binomials * t**j * (1.0 - t) ** (degree - j))
 
 
 def second_opinion(outline: Outline, loops: Sequence[int]) -> dict[int, str]:

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.kernels import outline as kernel
+from mat_core.kernels import outline as columns
 from mat_core.kernels.intersect import compare_closely, compare_joints, compare_pairs
+from mat_core.kernels.outline import cut_gently, farthest, sector_areas
 from mat_core.model.curve import RationalBSpline
 
 TOUCH = 1e-12  # of the size: what is nearer counts as touching; a thousand times the rounding of normalised coordinates
@@ -18,7 +19,8 @@ CUSP_BRANCHES = (
     10.0  # branches of y**2 = x**3 are a gap apart at x = gap**(2/3); a path of ten such x covers flatter ones
 )
 HIT_LIMIT = 256  # pairs of pieces reported; a scribble has millions
-TASK_LIMIT = 2_000_000  # pairs of curved pieces with interlocking hulls; sound domains have about one a piece
+TASKS_A_PIECE = 32  # pairs of pieces with interlocking hulls; sound domains have about one a piece
+TASK_LIMIT = 2_000_000  # of them in all
 SUBDIVISIONS = (
     5_000_000  # of one whole check, some seconds; a tight but clean domain of 10,000 edges needs a few thousand
 )
@@ -74,7 +76,7 @@ class Outline(NamedTuple):
     pf: NDArray[np.float64]  # (n, 8)
     cp: NDArray[np.float64]  # (m, 3) normalised control points x, y, weight
     piece_start: NDArray[np.int64]  # (L + 1,); a loop not in use has no pieces
-    measures: NDArray[np.float64]  # (L, 6) area, length, xmin, ymin, xmax, ymax, normalised
+    measures: NDArray[np.float64]  # (L, 2) signed area, length of the control legs, normalised
     work: NDArray[np.float64]  # scratch of the kernels
     stack: NDArray[np.float64]
 
@@ -83,46 +85,65 @@ class Outline(NamedTuple):
 
         Rows piece, t, piece, t, kind (`mat_core.kernels.intersect`); at most HIT_LIMIT of them.
         """
-        n = len(self.pi)
-        leaves = 1 << max(0, n - 1).bit_length()
-        tree = np.empty((2 * leaves, 4))
+        tree = box_tree(self.pf[:, columns.XMIN : columns.YMAX + 1])
         pairs = np.empty((256, 2), dtype=np.int64)
         hits = np.empty((HIT_LIMIT, 5))
         counts = np.zeros(2, dtype=np.int64)
         gap = self.frame.gap
-        capacity = 64 + n
+        limit = min(TASK_LIMIT, 64 + TASKS_A_PIECE * len(self.pi))
+        capacity = 64 + 2 * len(self.pi)
         while True:
             tasks = np.empty((capacity, 8))
             counts[:] = 0
             compare_joints(self.pi, self.pf, self.cp, self.piece_start, gap, self.work, tasks, hits, counts)
-            compare_pairs(
-                self.pi, self.pf, self.cp, self.piece_start, n, gap, tree, pairs, self.work, tasks, hits, counts
-            )
             found, planned = counts.tolist()
-            if planned <= capacity or capacity >= TASK_LIMIT:
+            planned = compare_pairs(
+                self.pi, self.pf, self.cp, self.piece_start, gap, tree, pairs, self.work, tasks, planned
+            )
+            if planned <= capacity or capacity >= limit:
                 break
-            capacity = min(planned, TASK_LIMIT)
+            capacity = min(4 * capacity, limit)
         found = compare_closely(
             self.pi, self.cp, tasks, min(planned, capacity), gap, CUSP_BRANCHES * gap ** (2.0 / 3.0),
             self.work, self.stack, SUBDIVISIONS, hits, found,
         )  # fmt: skip
         return hits[:found], found < HIT_LIMIT and planned <= capacity
 
-    def nesting(self) -> NDArray[np.int64]:
-        """For each loop: is it inside the outer loop, is it around it, and which hole is around it (-1 none)."""
-        nest = np.full((len(self.measures), 3), -1, dtype=np.int64)
-        kernel.find_nesting(self.pi, self.pf, self.cp, self.piece_start, self.measures, self.work, nest)
-        return nest
+    def first_point(self, loop: int) -> tuple[float, float]:
+        """Where a loop in use begins, normalised."""
+        x, y = self.cp[self.pi[self.piece_start[loop], columns.CP0], :2].tolist()
+        return x, y
 
     def extent(self, loop: int) -> tuple[float, float, float, float]:
         """Tight normalised bounds of a loop's curve: xmin, ymin, xmax, ymax."""
-        first, last = int(self.piece_start[loop]), int(self.piece_start[loop + 1])
-        x0, y0, x1, y1 = (
-            sign * kernel.farthest(self.pi, self.pf, self.cp, first, last, axis, sign, self.work)
-            for sign in (-1.0, 1.0)
-            for axis in (0, 1)
-        )
-        return x0, y0, x1, y1
+        pieces = slice(self.piece_start[loop], self.piece_start[loop + 1])
+        pi, pf = self.pi[pieces], self.pf[pieces]
+        ends = self.cp[pi[:, columns.CP0]]
+        bounds = []
+        for k, sign in enumerate((-1.0, -1.0, 1.0, 1.0)):
+            best = float((sign * ends[:, k % 2]).max())
+            # Only pieces whose control box goes farther than all ends can reach beyond them.
+            bulging = pi[sign * pf[:, columns.XMIN + k] > best]
+            bounds.append(sign * farthest(bulging, self.cp, k % 2, sign, best, self.work, self.stack))
+        return bounds[0], bounds[1], bounds[2], bounds[3]
+
+
+def box_tree(boxes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Boxes xmin, ymin, xmax, ymax of a complete binary tree over the rows given: root 1, children 2v and 2v + 1.
+
+    Leaf i is row `leaves + i`; an empty node has xmin = inf.
+    """
+    leaves = 1 << max(0, len(boxes) - 1).bit_length()
+    tree = np.empty((2 * leaves, 4))
+    tree[leaves:, :2] = math.inf
+    tree[leaves:, 2:] = -math.inf
+    tree[leaves : leaves + len(boxes)] = boxes
+    while leaves > 1:
+        pairs = tree[leaves : 2 * leaves].reshape(-1, 2, 4)
+        leaves //= 2
+        np.minimum(pairs[:, 0, :2], pairs[:, 1, :2], out=tree[leaves : 2 * leaves, :2])
+        np.maximum(pairs[:, 0, 2:], pairs[:, 1, 2:], out=tree[leaves : 2 * leaves, 2:])
+    return tree
 
 
 def frame_of(cp: NDArray[np.float64], largest: float) -> Frame:
@@ -144,23 +165,52 @@ def outline_of(arrays: BoundaryArrays, use_loop: NDArray[np.int64], frame: Frame
     spans = np.diff(arrays.cp_start) - arrays.degree
     total = int(spans.sum()) + 8
     rows = spans * (arrays.degree + 1)
-    work = np.empty((max(int(rows.max(initial=0)) + kernel.BLOCK, (kernel.DEEPEST + 2) * kernel.BLOCK), 3))
+    work = np.empty((int(rows.max(initial=0)) + 2 * columns.BLOCK, 3))
     breaks = np.empty(int(spans.max(initial=0)) + 2)
-    stack = np.empty((256, 4))
+    stack = np.empty((128, 4))
     piece_start = np.empty(len(arrays.loop_start), dtype=np.int64)
-    total_rows = int(rows.sum()) + 8 * kernel.BLOCK
+    total_rows = int(rows.sum()) + 8 * columns.BLOCK
     factor = 2  # most curves need one or two pieces a span; the loop below copes with the others
     while True:
         pi = np.empty((factor * total, 4), dtype=np.int64)
         pf = np.empty((factor * total, 8))
         pcp = np.empty((factor * total_rows, 3))
-        n = kernel.cut_gently(
+        n = cut_gently(
             use_loop, arrays.loop_start, arrays.degree, arrays.cp_start, cp, arrays.knot_start, arrays.knots,
             pi, pf, pcp, piece_start, work, breaks, stack,
         )  # fmt: skip
         if n >= 0:
             break
         factor *= 4
-    measures = np.empty((len(piece_start) - 1, 6))
-    kernel.measure(pi, pf, pcp, piece_start, stack, measures)
-    return Outline(frame, pi[:n], pf[:n], pcp, piece_start, measures, work, stack)
+    pi, pf = pi[:n], pf[:n]
+    used = int(pi[-1, columns.CP0] + pi[-1, columns.DEG]) + 1
+    measures = measure(pi, pf, pcp[:used], piece_start, stack)
+    return Outline(frame, pi, pf, pcp, piece_start, measures, work, stack)
+
+
+def measure(
+    pi: NDArray[np.int64],
+    pf: NDArray[np.float64],
+    cp: NDArray[np.float64],
+    piece_start: NDArray[np.int64],
+    stack: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Fill the columns of `pf` from XMIN on; signed area and length of each loop (L, 2)."""
+    first, loop = pi[:, columns.CP0], pi[:, columns.LOOP]
+    last = first + pi[:, columns.DEG]
+    np.minimum.reduceat(cp[:, :2], first, axis=0, out=pf[:, columns.XMIN : columns.XMAX])
+    np.maximum.reduceat(cp[:, :2], first, axis=0, out=pf[:, columns.XMAX : columns.YMAX + 1])
+    legs = np.zeros(len(cp))
+    np.hypot(np.diff(cp[:, 0]), np.diff(cp[:, 1]), out=legs[:-1])
+    legs[last] = 0.0
+    length = np.add.reduceat(legs, first)
+    pf[:, columns.LEN] = length
+    before = np.concatenate(([0.0], np.cumsum(length)))
+    pf[:, columns.CUM] = before[:-1] - before[piece_start[loop]]
+    area = np.empty(len(pi))
+    sector_areas(pi, cp, stack, area)
+    area += 0.5 * (cp[first, 0] * cp[last, 1] - cp[first, 1] * cp[last, 0])
+    loops = len(piece_start) - 1
+    return np.column_stack(
+        (np.bincount(loop, weights=area, minlength=loops), np.bincount(loop, weights=length, minlength=loops))
+    )

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,12 +21,16 @@ from mat_core.errors import Problem
 from mat_core.kernels import intersect
 from mat_core.kernels import outline as columns
 from mat_core.kernels.bezier import point
+from mat_core.kernels.joints import place_on
+from mat_core.model.flattening import second_opinion
 from mat_core.model.loop import Outline
 from mat_core.model.reading import Draft, edge_pointer, loop_pointer
 
 RADII = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)  # normalised
 CLEAR = 8.0  # gaps by which branches must part on a circle to be put in order
 SAME_PLACE = 1e-6  # normalised: hits nearer than this on the same loops are one meeting
+TRANSVERSAL = 1e-3  # sine between curves from which on Newton's rule is sure to find their crossing from a gap away
+NEWTON_STEPS = 3
 SAME_SHAPE = 1e-9  # relative: box and area of a loop given twice
 PER_EDGES = 4  # meetings reported of one pair of edges
 WALK = 16  # points tried along a piece for a branch to leave the circle
@@ -53,6 +58,7 @@ def find_meetings(outline: Outline) -> tuple[list[Meeting], bool]:
         i, j = int(fi), int(fj)
         loops = (int(outline.pi[i, columns.LOOP]), int(outline.pi[j, columns.LOOP]))
         edges = (int(outline.pi[i, columns.EDGE]), int(outline.pi[j, columns.EDGE]))
+        s, t = polished(outline, (i, j), (s, t))
         x, y = _place(outline, i, s)
         if per_edges.get(edges, 0) >= PER_EDGES or _seen(near, loops, x, y):
             continue
@@ -60,6 +66,22 @@ def find_meetings(outline: Outline) -> tuple[list[Meeting], bool]:
         crosses = kind == intersect.MEET and branches_cross(outline, (i, j), (s, t))
         meetings.append(Meeting(loops, (i, j), (s, t), (x, y), int(kind), crosses))
     return meetings, complete
+
+
+def polished(outline: Outline, pieces: tuple[int, int], t: tuple[float, float]) -> tuple[float, float]:
+    """Parameters of a meeting, by Newton's rule to the very crossing where there is one; as given where they touch."""
+    rows, degrees = outline.pi[pieces, columns.CP0].tolist(), outline.pi[pieces, columns.DEG].tolist()
+    s, r = t
+    for _ in range(NEWTON_STEPS):
+        ax, ay, adx, ady = place_on(outline.cp, rows[0], degrees[0], s, 0.0, 0.0)
+        bx, by, bdx, bdy = place_on(outline.cp, rows[1], degrees[1], r, ax, ay)
+        cross = adx * bdy - ady * bdx
+        if abs(cross) <= TRANSVERSAL * math.hypot(adx, ady) * math.hypot(bdx, bdy):
+            return t
+        s += (bx * bdy - by * bdx) / cross
+        r += (bx * ady - by * adx) / cross
+    found = abs(s - t[0]) <= SAME_PLACE and abs(r - t[1]) <= SAME_PLACE and 0.0 <= s <= 1.0 and 0.0 <= r <= 1.0
+    return (s, r) if found else t
 
 
 def _seen(
@@ -147,11 +169,16 @@ def same_loop(outline: Outline, a: int, b: int) -> bool:
 def meeting_problems(outline: Outline, draft: Draft, meetings: list[Meeting], flat: set[int]) -> Iterator[Problem]:
     """One problem for each meeting; a loop given twice is one problem; loops without area have theirs already."""
     twins: dict[tuple[int, int], bool] = {}
+    own = sorted({m.loops[0] for m in meetings if m.loops[0] == m.loops[1]} - flat)
+    opinions = second_opinion(outline, own) if own else {}
     for meeting in meetings:
         a, b = meeting.loops
         if a == b:
             if a not in flat:
-                yield _describe(outline, draft, meeting)
+                problem = _describe(outline, draft, meeting)
+                # Once a loop: shapely names one place of each.
+                opinion = opinions.pop(a, None)
+                yield problem if opinion is None else replace(problem, message=f"{problem.message} ({opinion})")
             continue
         if meeting.loops not in twins:
             twins[meeting.loops] = not meeting.crosses and same_loop(outline, a, b)

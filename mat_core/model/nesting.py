@@ -13,7 +13,8 @@ import numpy as np
 import shapely
 
 from mat_core.errors import Problem
-from mat_core.kernels.outline import CP0
+from mat_core.kernels import outline as columns
+from mat_core.kernels.bezier import point, restrict
 from mat_core.model.flattening import flatten
 from mat_core.model.loop import Outline
 from mat_core.model.meetings import Meeting
@@ -25,20 +26,48 @@ ROUNDING = 1e-13  # normalised: of the polygons' corners, with much to spare
 def loops_around(outline: Outline, loops: Sequence[int]) -> dict[int, list[int]]:
     """For each of these loops (ascending) the others among them around it; holds for pairs that do not meet."""
     flattening = flatten(outline, loops)
-    at = np.asarray(loops)
-    tree = shapely.STRtree(shapely.points(outline.cp[outline.pi[outline.piece_start[at], CP0], :2]))
+    tree = shapely.STRtree(shapely.points([outline.first_point(loop) for loop in loops]))
     # Both queries prepare the geometries they are asked with.
-    around, inside = tree.query(shapely.polygons(flattening.rings), predicate="contains_properly")
+    inside = tree.query(shapely.polygons(flattening.rings), predicate="contains_properly")
     close = tree.query(flattening.rings, predicate="dwithin", distance=flattening.error + ROUNDING)
-    close = close[:, close[0] != close[1]]
-    clear = ~np.isin(around * len(at) + inside, close[0] * len(at) + close[1])
+    undecided = set(zip(*close.tolist(), strict=True))
     found: dict[int, list[int]] = {loop: [] for loop in loops}
-    # The kernel is called for no pairs at all, too: the first close call must not wait for the compiler.
-    exact = outline.contains(at[close.T])
-    for pairs in (at[np.column_stack((around, inside))[clear]], at[close.T][exact]):
-        for outer, inner in pairs.tolist():
-            found[inner].append(outer)
+    for a, b in set(zip(*inside.tolist(), strict=True)) - undecided:
+        found[loops[b]].append(loops[a])
+    for a, b in undecided:
+        if a != b and is_inside(outline, loops[a], *outline.first_point(loops[b])):
+            found[loops[b]].append(loops[a])
     return found
+
+
+def is_inside(outline: Outline, loop: int, qx: float, qy: float) -> bool:
+    """Whether (qx, qy) lies inside the exact curve of a loop; assumes it does not lie on it.
+
+    Crossings of the ray from q towards +x are counted modulo two. What lies wholly to the right of q crosses an odd
+    number of times just when its ends differ in "above q"; each end is judged once, for both pieces that share it.
+    """
+    pieces = range(*outline.piece_start[loop : loop + 2].tolist())
+    x1, y0, y1 = outline.pf[pieces.start : pieces.stop, [columns.XMAX, columns.YMIN, columns.YMAX]].T
+    odd = False
+    for k in np.flatnonzero((y0 <= qy) & (y1 >= qy) & (x1 >= qx)).tolist():
+        degree, row = outline.pi[pieces[k], :2].tolist()
+        above = [bool(outline.cp[end, 1] > qy) for end in (row, row + degree)]
+        ranges = [(0.0, above[0], 1.0, above[1])]
+        while ranges:
+            t0, above0, t1, above1 = ranges.pop()
+            restrict(outline.cp, row, degree, t0, t1, outline.work, 0)
+            block = outline.work[: degree + 1, :2]
+            (left, low), (right, high) = block.min(axis=0).tolist(), block.max(axis=0).tolist()
+            if right < qx or (above0 == above1 and (low > qy or high < qy)):
+                continue
+            small = max(right - left, high - low) <= columns.NOTHING or t1 - t0 <= columns.NARROWEST
+            if left > qx or small:
+                odd ^= above0 != above1
+                continue
+            middle = 0.5 * (t0 + t1)
+            split = point(outline.cp, row, degree, middle)[1] > qy
+            ranges += [(middle, split, t1, above1), (t0, above0, middle, split)]
+    return odd
 
 
 def nesting_problems(outline: Outline, meetings: list[Meeting], flat: set[int]) -> Iterator[Problem]:
@@ -50,7 +79,7 @@ def nesting_problems(outline: Outline, meetings: list[Meeting], flat: set[int]) 
     met = {m.loops for m in meetings}
     around = loops_around(outline, loops)
     for hole in filter(None, loops):
-        x, y = outline.frame.to_input(*outline.cp[outline.pi[starts[hole], CP0], :2].tolist())
+        x, y = outline.frame.to_input(*outline.first_point(hole))
         at = loop_pointer(hole)
         if 0 in around and (0, hole) not in met and 0 not in around[hole]:
             how = "encloses the outer loop" if hole in around[0] else "lies outside the outer loop"

@@ -1,10 +1,11 @@
 """Every rule of a valid domain, and what the caller is told when one is broken.
 
     1. form        types, keys, counts                          mat_core.model.reading
-    2. splines     finite, clamped, positive weights, one piece  spline_problems
+    2. splines     finite, clamped, positive weights, one piece  mat_core.model.splines
     3. joins       each edge begins where the last one ended     join_problems
     4. meetings    no loop meets itself or another               mat_core.model.meetings
-    5. nesting     area, holes inside, no hole in a hole         area_problems, nesting_problems
+    5. area        each loop encloses some                       area_problems
+    6. nesting     holes inside, no hole in a hole               mat_core.model.nesting
 
 A rule is checked on all that passed the rules before it, so that one call names everything that is wrong.
 """
@@ -19,10 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.errors import InvalidDomain, Problem
-from mat_core.kernels import splines as rule
 from mat_core.model.loop import BoundaryArrays, Frame, Outline, frame_of, outline_of
 from mat_core.model.meetings import Meeting, find_meetings, meeting_problems
-from mat_core.model.reading import Draft, edge_pointer, loop_pointer, read
+from mat_core.model.nesting import nesting_problems
+from mat_core.model.reading import Draft, edge_pointer, loop_name, loop_pointer, read
+from mat_core.model.splines import LARGEST, spline_problems
 
 CODES = {
     "invalid-request": "the document's form: a wrong type, a missing or unknown key, an option out of range",
@@ -42,10 +44,8 @@ CODES = {
     "hole-in-hole": "a hole lies inside another hole",
 }
 
-LARGEST = 1e150  # coordinates: areas, their squares, still are floats
 SMALLEST = 1e-150  # size of a domain, likewise
 COARSEST = 1e4  # units in the last place across the domain: with fewer the input is rounding, not shape
-WIDEST = 1e16  # largest weight over smallest: beyond, whole stretches of a curve fall between two floats
 JOIN = 1e-10  # of the size: ends no farther apart are one point
 JOIN_ULPS = 8.0  # of the largest coordinate: what transforms of the input leave
 FLATTEST = 4.0  # gaps of mean width below which a loop has no area
@@ -87,8 +87,8 @@ def check(obj: object, limit: int) -> Checked:
         raise InvalidDomain(problems)
     largest = _largest_coordinate(arrays.cp)
     sound = np.ones(len(arrays.degree), dtype=np.bool_)
-    problems.extend(spline_problems(draft, largest, sound))
     join = _join_distance(arrays.cp, largest)
+    problems.extend(spline_problems(draft, JOIN_ULPS * math.ulp(largest), join, sound))
     use = draft.whole.copy()
     problems.extend(join_problems(draft, sound, join, use))
     if use.any():
@@ -102,10 +102,13 @@ def check(obj: object, limit: int) -> Checked:
         flat = set(flat_loops(outline, meetings))
         problems.extend(area_problems(flat))
         problems.extend(meeting_problems(outline, draft, meetings, flat))
-        problems.extend(nesting_problems(outline, draft, meetings, flat))
+        problems.extend(nesting_problems(outline, meetings, flat))
         if not complete:
-            text = "the boundary meets itself in more places than are listed; mend these first"
-            raise InvalidDomain([*_sorted(problems), Problem(problems[-1].code, "", text)])
+            if problems:
+                code, text = problems[-1].code, "the boundary meets itself in more places than are listed; mend these first"
+            else:
+                code, text = "too-complex", "too many pieces of the boundary are intertwined; cut the domain into parts"
+            raise InvalidDomain([*_sorted(problems), Problem(code, "", text)])
     if problems:
         raise InvalidDomain(_sorted(problems))
     runs_left = outline.measures[:, 0] > 0.0
@@ -149,97 +152,6 @@ def range_problem(frame: Frame, largest: float) -> Problem | None:
     return None
 
 
-# ---------------------------------------------------------------------------------------------------------- splines
-
-
-class SplineRule(NamedTuple):
-    """How a broken column of `kernels.splines` is reported."""
-
-    code: str
-    member: str  # of the edge; the index found is appended
-    text: str
-
-
-SPLINE_RULES = {
-    rule.POINT_NOT_FINITE: SplineRule(
-        "non-finite", "control_points", "coordinate is not a finite number; give numbers only"
-    ),
-    rule.POINT_TOO_LARGE: SplineRule(
-        "out-of-range", "control_points", f"coordinate is beyond {LARGEST:g}; scale the domain"
-    ),
-    rule.WEIGHT_NOT_FINITE: SplineRule("non-finite", "weights", "weight is not a finite number; give positive numbers"),
-    rule.WEIGHT_NOT_POSITIVE: SplineRule(
-        "non-positive-weight", "weights", "weight is not positive; weights must be greater than 0"
-    ),
-    rule.WEIGHTS_TOO_WIDE: SplineRule(
-        "out-of-range", "weights", f"largest weight is over {WIDEST:g} times the smallest; split or refit the curve"
-    ),
-    rule.KNOT_NOT_FINITE: SplineRule("non-finite", "knots", "knot is not a finite number; give numbers only"),
-    rule.KNOTS_DECREASE: SplineRule(
-        "invalid-spline", "knots", "knots decrease here; each must be at least the one before"
-    ),
-    rule.NOT_CLAMPED_START: SplineRule(
-        "invalid-spline", "knots", "first knot must appear exactly degree + 1 times; clamp the curve"
-    ),
-    rule.NOT_CLAMPED_END: SplineRule(
-        "invalid-spline", "knots", "last knot must appear exactly degree + 1 times; clamp the curve"
-    ),
-    rule.RANGE_EMPTY: SplineRule(
-        "invalid-spline", "knots", "parameter range is empty or infinite; the knots must span an interval"
-    ),
-    rule.KNOT_TOO_MANY: SplineRule(
-        "invalid-spline", "knots", "inner knot appears more than degree + 1 times; remove some"
-    ),
-    rule.CURVE_JUMPS: SplineRule(
-        "invalid-spline", "knots", "curve jumps at this knot (degree + 1 times); split the edge here or close the gap"
-    ),
-    rule.ZERO_LENGTH: SplineRule(
-        "zero-length-edge", "", "all control points coincide: an edge without length; remove it"
-    ),
-}
-
-
-def spline_problems(draft: Draft, largest: float, sound: NDArray[np.bool_]) -> Iterator[Problem]:
-    """Rules of single edges; clears `sound` (E,) where one is broken."""
-    arrays = draft.arrays
-    broken = np.empty((len(arrays.degree), rule.RULES), dtype=np.int64)
-    bad = rule.check_splines(
-        arrays.degree, arrays.cp_start, arrays.cp, arrays.knot_start, arrays.knots,
-        LARGEST, WIDEST, JOIN_ULPS * math.ulp(largest), _join_distance(arrays.cp, largest), broken,
-    )  # fmt: skip
-    if bad == 0:
-        return
-    for e, column in np.argwhere(broken >= 0).tolist():
-        sound[e] = False
-        index = int(broken[e, column])
-        loop, edge = _place_of(draft, e)
-        given = SPLINE_RULES[column]
-        pointer = edge_pointer(loop, edge)
-        if given.member:
-            pointer += f"/{given.member}/{index}"
-        row = arrays.cp[arrays.cp_start[e] + (index if given.member in ("control_points", "weights") else 0)]
-        x, y = (float(c) if abs(c) <= LARGEST else None for c in row[:2])
-        u = _finite(float(arrays.knots[arrays.knot_start[e] + (index if given.member == "knots" else 0)]))
-        text = f"{name_of(loop, edge)}: {given.text}"
-        yield Problem(given.code, pointer, text, loop, edge, u, x, y)
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def _place_of(draft: Draft, e: int) -> tuple[int, int]:
-    """Loop and index in that loop of edge e of the flat numbering."""
-    loop = int(np.searchsorted(draft.arrays.loop_start, e, side="right")) - 1
-    return loop, int(draft.edge_of[e])
-
-
-def name_of(loop: int, edge: int | None = None) -> str:
-    """A loop or an edge in words."""
-    name = "outer loop" if loop == 0 else f"hole {loop - 1}"
-    return name if edge is None else f"{name}, edge {edge}"
-
-
 # ------------------------------------------------------------------------------------------------------------ joins
 
 
@@ -258,7 +170,7 @@ def join_problems(draft: Draft, sound: NDArray[np.bool_], join: float, use: NDAr
     with np.errstate(invalid="ignore", over="ignore"):
         apart = ~(np.abs(ends - begins).max(axis=1) <= join)
     for e in np.flatnonzero(apart & sound & sound[following]).tolist():
-        loop, edge = _place_of(draft, e)
+        loop, edge = draft.place_of(e)
         then = int(draft.edge_of[following[e]])
         closing = e == starts[loop + 1] - 1
         # An edge left out for its form would stand between these two.
@@ -267,14 +179,14 @@ def join_problems(draft: Draft, sound: NDArray[np.bool_], join: float, use: NDAr
         use[loop] = 0
         (x, y), (bx, by) = ends[e].tolist(), begins[e].tolist()
         text = (
-            f"{name_of(loop)} is open: edge {edge} ends at ({x:.17g}, {y:.17g}) but edge {then} begins at "
+            f"{loop_name(loop)} is open: edge {edge} ends at ({x:.17g}, {y:.17g}) but edge {then} begins at "
             f"({bx:.17g}, {by:.17g}), {math.hypot(bx - x, by - y):.3g} away; ends must meet within {join:.3g}"
         )
         u = float(arrays.knots[arrays.knot_start[e + 1] - 1])
         yield Problem("open-loop", edge_pointer(loop, edge), text, loop, edge, u, x, y, edge_pointer(loop, then))
 
 
-# ---------------------------------------------------------------------------------------------------- area, nesting
+# ------------------------------------------------------------------------------------------------------------- area
 
 
 def flat_loops(outline: Outline, meetings: list[Meeting]) -> Iterator[int]:
@@ -290,34 +202,6 @@ def area_problems(flat: set[int]) -> Iterator[Problem]:
     """A problem for each loop without area."""
     for loop in sorted(flat):
         text = (
-            f"{name_of(loop)} encloses no area: it runs back along itself. Give a loop with an inside, or leave it out"
+            f"{loop_name(loop)} encloses no area: it runs back along itself. Give a loop with an inside, or leave it out"
         )
         yield Problem("empty-domain", loop_pointer(loop), text, loop)
-
-
-def nesting_problems(outline: Outline, draft: Draft, meetings: list[Meeting], flat: set[int]) -> Iterator[Problem]:
-    """Holes inside the outer loop, none inside another; silent on loops that meet, are flat, or could not be used."""
-    used = outline.piece_start[1:] > outline.piece_start[:-1]
-    if not used[1:].any():
-        return
-    met = {m.loops for m in meetings}
-    nest = outline.nesting()
-    for hole in range(1, len(nest)):
-        if not used[hole] or hole in flat:
-            continue
-        piece = int(outline.piece_start[hole])
-        x, y = outline.frame.to_input(*outline.cp[outline.pi[piece, 1], :2].tolist())
-        at = loop_pointer(hole)
-        if used[0] and 0 not in flat and (0, hole) not in met and not nest[hole, 0]:
-            how = "encloses the outer loop" if nest[hole, 1] else "lies outside the outer loop"
-            text = (
-                f"hole {hole - 1} {how}, at ({x:.9g}, {y:.9g}); it must lie inside. Move it, or make it the outer loop"
-            )
-            yield Problem("hole-outside", at, text, hole, None, None, x, y, "/outer")
-        around = int(nest[hole, 2])
-        if around > 0 and around not in flat and (min(hole, around), max(hole, around)) not in met:
-            text = (
-                f"hole {hole - 1} lies inside hole {around - 1}, at ({x:.9g}, {y:.9g}), where there is no material; "
-                "leave it out, or give the island as a domain of its own"
-            )
-            yield Problem("hole-in-hole", at, text, hole, None, None, x, y, loop_pointer(around))

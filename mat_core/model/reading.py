@@ -22,7 +22,8 @@ from mat_core.model.loop import BoundaryArrays
 HIGHEST_DEGREE = 25
 CONTROL_POINT_LIMIT = 2_000_000
 
-DOMAIN_KEYS = frozenset({"outer", "holes", "options", "name"})
+ANNOTATIONS = frozenset({"note", "truth"})  # of a domain, any JSON value: for people and test benches, never read
+DOMAIN_KEYS = frozenset({"outer", "holes", "options", "name"}) | ANNOTATIONS
 EDGE_KEYS = frozenset({"degree", "control_points", "knots", "weights"})
 BEZIER_KNOTS = {p: [0.0] * (p + 1) + [1.0] * (p + 1) for p in range(1, HIGHEST_DEGREE + 1)}
 NUMBERS = frozenset({float, int})
@@ -44,6 +45,16 @@ class Draft:
     whole: NDArray[np.int64]
     options: dict[str, Any] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
+
+    def place_of(self, e: int) -> tuple[int, int]:
+        """Loop of edge e of the flat numbering, and its index in that loop of the document."""
+        loop = int(np.searchsorted(self.arrays.loop_start, e, side="right")) - 1
+        return loop, int(self.edge_of[e])
+
+
+def loop_name(loop: int) -> str:
+    """A loop in words."""
+    return "outer loop" if loop == 0 else f"hole {loop - 1}"
 
 
 def loop_pointer(loop: int) -> str:
@@ -121,7 +132,7 @@ def _read_loops(obj: object, problems: list[Problem]) -> list[list[Any]]:
         return []
     for key in obj:
         if key not in DOMAIN_KEYS:
-            fault(pointer_to("", key), f"unknown key {short(key)}; a domain has outer, holes, options and name")
+            fault(pointer_to("", key), f"unknown key {short(key)}; a domain has outer, holes, options, name, note and truth")
     if obj.get("name") is not None and not isinstance(obj["name"], str):
         fault("/name", f"name must be a string, not {describe(obj['name'])}")
     loops: list[list[Any]] = [[]]
@@ -416,17 +427,22 @@ def _between(low: float, high: float) -> Callable[[Any], bool]:
 
 SMALLEST_TOLERANCE = 1e-12  # relative: rounding of the arithmetic itself leaves about 1e-14
 LARGEST_TOLERANCE = 0.1
+SMALLEST_STEP = 1e-6  # relative: a million samples along one side
+LARGEST_SMOOTH_ANGLE = 0.1  # radians: a sharper corner is meant
 FLOAT_OPTIONS = frozenset({"tolerance", "step", "smooth_angle"})
 OPTION_RULES = {
     "tolerance": OptionRule(
         _between(SMALLEST_TOLERANCE, LARGEST_TOLERANCE), f"a number from {SMALLEST_TOLERANCE} to {LARGEST_TOLERANCE}"
     ),
-    "step": OptionRule(_between(5e-324, 1e300), "a positive number (a length in your unit) or null"),
+    "step": OptionRule(
+        _between(SMALLEST_STEP, 1e300),
+        f"a number from {SMALLEST_STEP} (relative to the larger side of the bounding box, like tolerance) or null",
+    ),
     "method": OptionRule(lambda value: isinstance(value, str) and value in ("discs", "march"), '"discs" or "march"'),
     "check_step": OptionRule(
         lambda value: isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= 10**6,
         "a positive integer or null",
     ),
-    "smooth_angle": OptionRule(_between(0.0, 1.0), "an angle from 0 to 1 radian"),
+    "smooth_angle": OptionRule(_between(0.0, LARGEST_SMOOTH_ANGLE), f"an angle from 0 to {LARGEST_SMOOTH_ANGLE} radians"),
     "samples": OptionRule(lambda value: isinstance(value, bool), "true or false"),
 }

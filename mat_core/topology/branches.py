@@ -1,8 +1,8 @@
 """Solve the branch points inside the faces.
 
-Walk along one arc of a face, arc 0: the maximal disc there touches first the arc before it (k-1), in the end the arc after it (1),
-and in between, because the axis is a planar tree, arcs of falling number. Where the partner changes from j to j' < j there is a
-branch point, the disc with contacts on arc 0, arc j and arc j':
+Walk along one arc of a face, arc 0: the maximal disc there touches first the arc before it (k-1), in the end the arc after it
+(1), and in between, because the axis is a planar tree, arcs of falling number. Where the partner changes from j to j' < j there
+is a branch point, the disc with contacts on arc 0, arc j and arc j':
 
     1. the root s of phi_j(s) - phi_j'(s); the signs at the ends of its bracket are known, it is never evaluated there
     2. if another arc in between has a larger phi at s, it splits the bracket in two
@@ -22,7 +22,7 @@ from mat_core.kernels.curve import evaluate
 from mat_core.kernels.disc import touch_from
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import FAN, KIND, LEN, NEXT, PREV, SWEEP, XMAX, XMIN, YMAX, YMIN
-from mat_core.topology.discs import NO_PARTNER, OK, TOO_SMALL
+from mat_core.topology.discs import K_LOW, NO_PARTNER, OK, TOO_SMALL
 
 ROOT_STEPS = 120
 YIELD = 4.0  # ties
@@ -33,8 +33,8 @@ PARALLEL = 1e-7  # determinant of three contact directions below which a disc is
 def _touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie):
     """`touch_from` against one arc of the face.
 
-    A reflex vertex is the end of a piece and its fan at once: the piece yields to the fan where it is touched at that end, the fan to
-    the piece where none of its own normals points at the centre.
+    A reflex vertex is the end of a piece and its fan at once: the piece yields to the fan where it is touched at that end, the
+    fan to the piece where none of its own normals points at the centre.
     """
     j = w_i[arc, 0]
     phi, sj = touch_from(si, sf, cp, site, s, j, w_f[arc, 0], w_f[arc, 1])
@@ -204,10 +204,12 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
         lo = bracket_f[top, 0]
         hi = bracket_f[top, 1]
         s, phi, sl, sr = _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie)
-        if not phi > 0.0:
+        # both may lie behind the tangent at s, where a third arc wins: no disc is larger than K_LOW allows
+        least = max(phi, K_LOW)
+        better, arc = _best_between(si, sf, cp, site, s, w_i, w_f, right, left, least, tie)
+        if phi < K_LOW and arc < 0:
             return NO_PARTNER, nodes
-        better, arc = _best_between(si, sf, cp, site, s, w_i, w_f, right, left, phi, tie)
-        if arc >= 0 and better > phi * (1.0 + tie):
+        if arc >= 0 and better > least * (1.0 + tie):
             # the far half waits below, the near half is done first
             if top + 2 >= bracket_i.shape[0]:
                 return TOO_SMALL, nodes

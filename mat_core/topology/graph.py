@@ -1,9 +1,9 @@
 """The graph of the axis: nodes are leaves and branch points, segments are runs of strips through degree-2 discs.
 
-Steps: 1. strips of no length are contracted (several discs of one n-way branch point were found one by one); 2. nodes are the discs
-where one, or three and more, strips end; 3. a depth-first walk from a convex vertex (else a curvature centre, else any node) lists
-the segments, directs each from the node met first to the one met later, and so gives the topological order (paper, section 6);
-4. what is left are closed segments without a node (an annulus).
+Steps: 1. strips of no length are contracted (several discs of one n-way branch point were found one by one); 2. nodes are the
+discs where one, or three and more, strips end; 3. a depth-first walk from a convex vertex (else a curvature centre, else any
+node) lists the segments, directs each from the node met first to the one met later, and so gives the topological order (paper,
+section 6); 4. what is left are closed segments without a node (an annulus).
 
 The paper calls the graph acyclic; that holds for the directed one. Its undirected cycle rank is the number of holes.
 """
@@ -29,10 +29,10 @@ NODE_KINDS = ("branch", "convex_vertex", "curvature_center", "arc_center", "poin
 class AxisGraph(NamedTuple):
     """Nodes, segments as runs of strips, and their order.
 
-    node_disc (N,): disc of each node. node_kind (N,): index into NODE_KINDS. run_start (G + 1,), run_strip (R,), run_forward (R,):
-    strips of each segment in order of travel, and whether each is travelled from its disc0 to its disc1. start_node, end_node
-    (G,): -1 for a closed segment without a node. order (N,): nodes in topological order. components, cycles: of the undirected
-    graph.
+    node_disc (N,): disc of each node. node_kind (N,): index into NODE_KINDS. run_start (G + 1,), run_strip (R,), run_forward
+    (R,): strips of each segment in order of travel, and whether each is travelled from its disc0 to its disc1. start_node,
+    end_node (G,): -1 for a closed segment without a node. order (N,): nodes in topological order. components, cycles: of the
+    undirected graph.
     """
 
     node_disc: NDArray[np.int64]
@@ -61,12 +61,13 @@ def _contact_at(si, contact_start, contact_site, contact_s, d, site, s):
 
 @jit
 def contract(si, disc, kind, strip_i, strip_s, contact_start, contact_site, contact_s, tolerance, parent, strip_alive,
-             contact_alive):
+             contact_parent, contact_alive):
     """Step 1: unite the ends of strips of no length; of each pair of contacts that fall together one dies."""
     for d in range(disc.shape[0]):
         parent[d] = d
     for c in range(contact_site.shape[0]):
         contact_alive[c] = True
+        contact_parent[c] = c
     for n in range(strip_i.shape[0]):
         strip_alive[n] = True
         d0 = strip_i[n, 2]
@@ -79,8 +80,16 @@ def contract(si, disc, kind, strip_i, strip_s, contact_start, contact_site, cont
         for side in range(2):
             a = _contact_at(si, contact_start, contact_site, contact_s, d0, strip_i[n, side], strip_s[n, 2 * side])
             b = _contact_at(si, contact_start, contact_site, contact_s, d1, strip_i[n, side], strip_s[n, 2 * side + 1])
-            if a >= 0 and b >= 0:
-                contact_alive[a if contact_s[b] == 0.0 and contact_s[a] != 0.0 else b] = False
+            if a < 0 or b < 0:
+                continue
+            a = find(contact_parent, a)
+            b = find(contact_parent, b)
+            if a != b:
+                # a joint stays, a contact found next to it goes
+                keep = b if contact_s[b] == 0.0 and contact_s[a] != 0.0 else a
+                lose = a if keep == b else b
+                contact_parent[lose] = keep
+                contact_alive[lose] = False
     for d in range(disc.shape[0]):
         parent[d] = find(parent, d)
 
@@ -221,7 +230,7 @@ def build_graph(t: SiteTable, k: Skeleton, tolerances: Tolerances) -> tuple[Skel
     strip_alive = np.empty(len(k.strip_i), dtype=np.bool_)
     contact_alive = np.empty(len(k.contact_site), dtype=np.bool_)
     contract(t.si, k.disc, k.disc_kind, k.strip_i, k.strip_s, k.contact_start, k.contact_site, k.contact_s, tolerances.same_node,
-             parent, strip_alive, contact_alive)
+             parent, strip_alive, np.empty(len(k.contact_site), dtype=np.int64), contact_alive)
     if not strip_alive.all():
         k = _compress(k, parent, strip_alive, contact_alive)
         n_discs = len(k.disc)

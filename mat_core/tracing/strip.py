@@ -2,8 +2,8 @@
 
 The paper (sections 5.1 and Appendix A) fixes a footpoint on one edge and solves the squared equation (A4) for the other one. Here
 the other footpoint is where phi, the curvature of the circle tangent at the first one, is largest: the distance criterion (both
-normals meet at equal length) and the curvature criterion (no smaller circle of curvature) hold by construction, and normals may be
-parallel or antiparallel.
+normals meet at equal length) and the curvature criterion (no smaller circle of curvature) hold by construction, and normals may
+be parallel or antiparallel.
 
     c = C + r n,      c' = a t + r' n,      a = |C'| (1 - k r)        (fan: a = r |angle'|)
     c'.n2 = r'        because c stays at distance r from the other side, hence     r' = a (t.n2) / (1 - n.n2)

@@ -7,6 +7,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from mat_core.kernels import bezier as kernel
+from mat_core.model.curve import RationalBSpline
 
 Floats = np.ndarray
 
@@ -77,17 +78,18 @@ def test_neighbouring_pieces_share_their_joint_exactly() -> None:
 @pytest.mark.parametrize("degree", [1, 2, 3, 6, 25])
 def test_derivatives_against_differences(degree: int) -> None:
     rng = np.random.default_rng(degree)
-    cp = np.column_stack((rng.normal(size=(degree + 1, 2)), np.exp(rng.normal(size=degree + 1) * 0.3)))
+    weights = np.exp(rng.normal(size=degree + 1) * 0.3)
+    points = rng.normal(size=(degree + 1, 2))
+    curve = RationalBSpline(degree, np.repeat([0.0, 2.0], degree + 1), points, weights)
     step = 1e-5
+    u = np.array([0.2, 1.0, 1.8])
+    for order in (1, 2):
+        central = (curve.evaluate(u + step, order - 1) - curve.evaluate(u - step, order - 1)) / (2 * step)
+        assert curve.evaluate(u, order) == pytest.approx(central, rel=1e-5, abs=1e-4)
+    rows = np.column_stack((points, weights))
     for t in (0.1, 0.5, 0.9):
-        x, y, dx, dy, ddx, ddy = kernel.derivatives(cp, 0, degree, t, 0.25, -0.5)
-        assert (x + 0.25, y - 0.5) == pytest.approx(kernel.point(cp, 0, degree, t), abs=1e-13)
-        before = kernel.derivatives(cp, 0, degree, t - step, 0.25, -0.5)
-        after = kernel.derivatives(cp, 0, degree, t + step, 0.25, -0.5)
-        central = [(b - a) / (2 * step) for a, b in zip(before[:4], after[:4], strict=True)]
-        assert (dx, dy, ddx, ddy) == pytest.approx(central, rel=1e-5, abs=1e-4)
-    for t, end in ((0.0, 0), (1.0, degree)):
-        assert kernel.derivatives(cp, 0, degree, t, 0.0, 0.0)[:2] == pytest.approx(tuple(cp[end, :2]), abs=1e-15)
+        assert curve.evaluate(2 * t) == pytest.approx(kernel.point(rows, 0, degree, t), abs=1e-13)
+    assert curve.evaluate([0, 2]) == pytest.approx(points[[0, -1]], abs=1e-15)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3, 25])
@@ -100,11 +102,3 @@ def test_parts_of_a_piece(degree: int) -> None:
         for t in np.linspace(0, 1, 7):
             expected = kernel.point(cp, 0, degree, t0 + t * (t1 - t0))
             assert kernel.point(part, 0, degree, t) == pytest.approx(expected, abs=1e-12)
-    block = np.zeros((3 * (degree + 1), 3))
-    block[: degree + 1] = cp
-    kernel.halve(block, 0, degree, degree + 1, 0)
-    for t in np.linspace(0, 1, 7):
-        assert kernel.point(block, degree + 1, degree, t) == pytest.approx(
-            kernel.point(cp, 0, degree, t / 2), abs=1e-12
-        )
-        assert kernel.point(block, 0, degree, t) == pytest.approx(kernel.point(cp, 0, degree, 0.5 + t / 2), abs=1e-12)
