@@ -28,6 +28,7 @@ PF_WIDTH = 13
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
+SHORT = 256.0  # roundings: a piece shorter than this has no direction of its own
 SCRATCH_ROWS = 24
 _X, _Y, _W, _X1, _Y1, _W1, _X2, _Y2, _W2, _X3, _Y3, _W3 = range(12)
 _T0, _T1, _DET, _DETD, _A, _B, _AD, _BD, _Q, _S, _N = range(12, 23)
@@ -281,12 +282,16 @@ def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
                     kind = ARC
                 else:
                     n_roots = curvature_changes(cp, c0, deg, rational, table, work, bounds, roots)
+            length = 0.0
+            for i in range(deg):
+                length += abs(cp[c0 + i + 1, 0] - cp[c0 + i, 0]) + abs(cp[c0 + i + 1, 1] - cp[c0 + i, 1])
+            gap = max(ROOT_GAP, SHORT * rounding / length)
             begin = 0.0
             for cut in range(n_roots + 1):
                 stop = 1.0
                 if cut < n_roots:
                     stop = roots[cut]
-                    if stop - begin < ROOT_GAP or 1.0 - stop < ROOT_GAP:
+                    if stop - begin < gap or 1.0 - stop < gap:
                         continue
                 while begin < stop:
                     end = stop

@@ -140,12 +140,33 @@ def _angle(dx, dy, tx, ty, k, nx, ny):
 
 
 @jit
+def _turned(ax, ay, bx, by):
+    """Angle from direction a to direction b, in (-pi, pi]."""
+    return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
+
+
+@jit
+def _fallen(ax, ay, tax, tay, dx, dy, tx, ty):
+    """How much psi has changed between two points of a piece that turns by less than half a turn, whole turns counted.
+
+    angle(T') = 2 angle(D) - angle(T) + pi, and psi falls as T' turns left: change = turn of T - 2 (turn of D). Seen from inside its
+    cap a piece can span more than half a turn; the sense in which D turns tells.
+    """
+    seen = _turned(ax, ay, dx, dy)
+    first = ax * tay - ay * tax
+    last = dx * ty - dy * tx
+    if first * last > 0.0 and seen * first < 0.0 and abs(seen) > 0.5 * math.pi:
+        seen += 2.0 * math.pi if first > 0.0 else -2.0 * math.pi
+    return _turned(tax, tay, tx, ty) - 2.0 * seen
+
+
+@jit
 def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     """Sup of phi over [lo, hi] of a piece of monotone curvature, and where."""
-    x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, lo, ox, oy)
+    x, y, tax, tay, k, speed = evaluate(si, sf, cp, j, lo, ox, oy)
     ax = x - dpx
     ay = y - dpy
-    pa, wa, da = _angle(ax, ay, tx, ty, k, nx, ny)
+    pa, wa, da = _angle(ax, ay, tax, tay, k, nx, ny)
     best = through_point(ax, ay, nx, ny)
     x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, hi, ox, oy)
     bx = x - dpx
@@ -158,72 +179,60 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
         s_best = hi
     if da == 0.0:
         wa = wb
+        ax = tax
+        ay = tay
     if db == 0.0:
         wb = wa
+        bx = -tx
+        by = -ty
     if not (wa < 0.0 or wb < 0.0) or hi <= lo:
         return best, s_best
 
-    # 1. a bracket [a, b] with psi(a) > 0 >= psi(b) inside the part where W < 0
+    # 1. a bracket [a, b] in which psi falls through a multiple of a full turn, `goal`, where W < 0; psi counted from lo on
+    pb = pa + _fallen(ax, ay, tax, tay, bx, by, tx, ty)
+    turn = 2.0 * math.pi
+    if wa < 0.0:  # psi falls from pa, perhaps rises again later
+        goal = 0.0 if pa > 0.0 else -turn
+        found = pb <= goal
+        if not found and wb < 0.0:
+            return best, s_best
+    else:  # psi rises first, then falls to pb
+        goal = turn * math.ceil(pb / turn)
+        found = pa > goal
     a = lo
     b = hi
-    found = wa < 0.0 and wb < 0.0 and pa > 0.0 and pb <= 0.0
+    above = pa - goal
+    below = pb - goal
+    for _ in range(60):
+        if found and above < 1.5 and below > -1.5:
+            break
+        m = 0.5 * (a + b)
+        if not a < m < b:
+            break
+        x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, m, ox, oy)
+        dx = x - dpx
+        dy = y - dpy
+        dd = dx * dx + dy * dy
+        value = pa + _fallen(ax, ay, tax, tay, dx, dy, tx, ty) - goal
+        if found or (value <= 0.0 if wa < 0.0 else value > 0.0):
+            found = True
+            if value > 0.0:
+                a = m
+                above = value
+            else:
+                b = m
+                below = value
+        elif (k * dd + 2.0 * (dy * tx - dx * ty) < 0.0) == (wa < 0.0):
+            a = m
+        else:
+            b = m
     if not found:
-        mixed = not (wa < 0.0 and wb < 0.0)
-        wrapped = not mixed and pb > pa and (pa <= 0.0 or pb > 0.0) and pa * pb > 0.0
-        if mixed and wa < 0.0:
-            if pa <= 0.0:
-                return best, s_best
-            found = pb <= 0.0
-        elif mixed:
-            if pb > 0.0:
-                return best, s_best
-            found = pa > 0.0
-        elif not wrapped:
-            return best, s_best
-        for _ in range(50):
-            if found:
-                break
-            m = 0.5 * (a + b)
-            if not a < m < b:
-                return best, s_best
-            x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, m, ox, oy)
-            pm, wm, dm = _angle(x - dpx, y - dpy, tx, ty, k, nx, ny)
-            if mixed and wa < 0.0:  # psi falls, then rises: look for a negative value
-                if pm <= 0.0:
-                    b = m
-                    found = True
-                elif wm < 0.0:
-                    a = m
-                else:
-                    b = m
-            elif mixed:  # psi rises, then falls: look for a positive value
-                if pm > 0.0:
-                    a = m
-                    found = True
-                elif wm < 0.0:
-                    b = m
-                else:
-                    a = m
-            else:  # psi falls by nearly a full turn: find the half with the front-facing zero
-                if pa > 0.0 and pm <= 0.0 and pm < pa:
-                    b = m
-                    found = True
-                elif pm > 0.0 and pb <= 0.0:
-                    a = m
-                    found = True
-                elif pm <= pa:
-                    a = m
-                    pa = pm
-                else:
-                    b = m
-                    pb = pm
-        if not found:
-            return best, s_best
+        return best, s_best
 
     # 2. Newton on psi, kept inside the bracket
     s = 0.5 * (a + b)
-    if a == lo and b == hi and pa > 0.0 >= pb:
-        s = a + (b - a) * pa / (pa - pb)
+    if above > 0.0 >= below:
+        s = a + (b - a) * above / (above - below)
         if not a < s < b:
             s = 0.5 * (a + b)
     deg = si[j, DEG]

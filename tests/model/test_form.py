@@ -116,7 +116,13 @@ def test_one_bad_edge(changes: Json, code: str, pointer: str) -> None:
         ({"outer": SQUARE, "options": {"method": "magic"}}, "/options/method"),
         ({"outer": SQUARE, "options": {"method": ["discs"]}}, "/options/method"),
         ({"outer": SQUARE, "options": {"samples": 1}}, "/options/samples"),
+        ({"outer": SQUARE, "options": {"step": 0}}, "/options/step"),
+        ({"outer": SQUARE, "options": {"step": 9e-7}}, "/options/step"),
         ({"outer": SQUARE, "options": {"smooth_angle": -0.1}}, "/options/smooth_angle"),
+        ({"outer": SQUARE, "options": {"smooth_angle": 0.11}}, "/options/smooth_angle"),
+        ({"outer": SQUARE, "notes": 1}, "/notes"),
+        ({"outer": SQUARE, "options": {"note": 1}}, "/options/note"),
+        ({"outer": [SQUARE[0] | {"note": 1}, *SQUARE[1:]]}, "/outer/0/note"),
         ({"outer": SQUARE, "options": {"check_step": 0}}, "/options/check_step"),
         ({"outer": SQUARE, "options": {"speed": 9}}, "/options/speed"),
     ],
@@ -236,3 +242,10 @@ def test_the_error_speaks() -> None:
     with pytest.raises(InvalidDomain, match=r"/outer/2 \[open-loop\] outer loop is open") as caught:
         Domain.from_dict(domain(SQUARE[:3]))
     assert isinstance(caught.value, ValueError)
+
+
+@pytest.mark.parametrize("value", [None, 0, "words", [1, {"a": []}], {"leaves": 3}])
+def test_annotations_may_be_anything_and_are_left_alone(value: Any) -> None:
+    found = Domain.from_dict(domain(SQUARE, note=value, truth=value))
+    assert found.area == 4
+    assert not {"note", "truth"} & found.to_dict().keys()
