@@ -6,7 +6,6 @@ kept underneath; the pleasant objects are made when they are asked for.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -499,9 +498,8 @@ class MedialAxis:
 
     def __repr__(self) -> str:
         state = "certified" if self.certificate.get("passed") else "not certified"
-        size = math.sqrt(abs(self.domain.area))
         return (
             f"<MedialAxis: {len(self.runs.node_disc)} nodes, {len(self.curves.degree)} segments,"
-            f" {self.runs.cycles} cycles, domain of area {self.domain.area:.6g} (size {size:.4g}),"
+            f" {self.runs.cycles} cycles, domain of area {self.domain.area:.6g} and size {self.domain.size:.4g},"
             f" tolerance {self.tolerance:g}, {state}>"
         )

@@ -5,4 +5,7 @@ The web process (`service.app`) reads bytes and forwards them; it never imports 
 `service.pool` stands between.
 """
 
-__version__ = "0.1.0"
+from pathlib import Path
+
+# One number for both packages, in the library's folder; read without importing the library.
+__version__ = (Path(__file__).parents[1] / "mat_core" / "VERSION").read_text(encoding="ascii").strip()

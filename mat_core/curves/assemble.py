@@ -30,6 +30,7 @@ from mat_core.curves.fit import (
     STACK_ROWS,
     fit_strips,
 )
+from mat_core.errors import NotCertified
 from mat_core.kernels.jit import jit
 from mat_core.model.domain import Domain
 from mat_core.topology.graph import AxisGraph
@@ -43,6 +44,8 @@ FINE_TOLERANCE = 1e-7  # at and above: quintic pieces, below: degree 7 (fewer pi
 ROUNDING = 2e-16  # no stated error is less than the rounding of coordinates
 TRACE_ROUNDING = 1e-13  # nor that of a fitted piece less than the rounding of the axis points it is held against
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
+
+MOST_PIECES = 256  # a segment, on average: far above what a smooth curve needs at any tolerance
 
 
 @jit
@@ -223,6 +226,8 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
             np.empty(4), np.empty(3), np.empty(3), piece_i, piece_f, piece_cp, first)
         if count >= 0:
             break
+        if room > MOST_PIECES * (n + 8):
+            raise NotCertified("a curve between two parts of the boundary could not be fitted with a bounded number of pieces")
         room *= 4
     degrees = np.empty(runs, dtype=np.int64)
     kinds = np.empty(runs, dtype=np.int64)

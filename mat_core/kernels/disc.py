@@ -149,8 +149,8 @@ def _turned(ax, ay, bx, by):
 def _fallen(ax, ay, tax, tay, dx, dy, tx, ty):
     """How much psi has changed between two points of a piece that turns by less than half a turn, whole turns counted.
 
-    angle(T') = 2 angle(D) - angle(T) + pi, and psi falls as T' turns left: change = turn of T - 2 (turn of D). Seen from inside its
-    cap a piece can span more than half a turn; the sense in which D turns tells.
+    angle(T') = 2 angle(D) - angle(T) + pi, and psi falls as T' turns left: change = turn of T - 2 (turn of D). Seen from inside
+    its cap a piece can span more than half a turn; the sense in which D turns tells.
     """
     seen = _turned(ax, ay, dx, dy)
     first = ax * tay - ay * tax

@@ -25,7 +25,7 @@ from numba.core.types.misc import unliteral
 F = TypeVar("F", bound=Callable[..., object])
 
 PACKAGE = Path(__file__).resolve().parent.parent
-_IMPORT = re.compile(r"^(?:from|import) (mat_core[\w.]*)", re.MULTILINE)
+_IMPORT = re.compile(r"^import (mat_core[\w.]*)|^from (mat_core[\w.]*) import (?:\(([^)]*)\)|(.*))", re.MULTILINE)
 
 
 def _module_file(name: str) -> Path:
@@ -38,21 +38,30 @@ def _module_file(name: str) -> Path:
 def _imports(path: Path) -> tuple[str, frozenset[Path]]:
     """Digest of a source file and the files of ours that it imports."""
     source = path.read_bytes()
-    imported = (_module_file(name) for name in _IMPORT.findall(source.decode()))
-    return hashlib.sha256(source).hexdigest(), frozenset(file for file in imported if file.exists())
+    names: set[str] = set()
+    for module, package, *members in _IMPORT.findall(source.decode()):
+        names.add(module or package)
+        names.update(f"{package}.{member.split()[0]}" for member in "".join(members).split(",") if member.strip())
+    return hashlib.sha256(source).hexdigest(), frozenset(file for file in map(_module_file, names) if file.exists())
 
 
 @functools.cache
-def fingerprint(path: Path) -> str:
-    """Digest of a source file together with everything of ours that it imports, directly or not."""
+def sources(path: Path) -> frozenset[Path]:
+    """A source file together with everything of ours that it imports, directly or not."""
     seen: set[Path] = set()
     waiting = {path}
     while waiting:
         file = waiting.pop()
         seen.add(file)
         waiting |= _imports(file)[1] - seen
+    return frozenset(seen)
+
+
+@functools.cache
+def fingerprint(path: Path) -> str:
+    """Digest of the `sources` of a file and of the compiler's version."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for file in sorted(seen):
+    for file in sorted(sources(path)):
         digest.update(_imports(file)[0].encode())
     return digest.hexdigest()[:16]
 

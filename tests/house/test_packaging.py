@@ -19,6 +19,8 @@ from typing import Any
 import pytest
 import yaml
 
+import mat_core
+import service
 from tests.service.live import free_port, serving
 from tests.service.processes import alive, descendants, eventually
 
@@ -183,3 +185,15 @@ def test_make_run_shows_an_answer_serves_and_ends_cleanly() -> None:
     assert re.fullmatch(r"[0-9.]+ ms, .*", told["time"])
     assert picture.read_text().startswith("<svg")
     eventually(lambda: not any(alive(pid) for pid in served))
+
+
+def test_the_version_stands_in_one_file_and_heads_the_changelog() -> None:
+    version = (ROOT / "mat_core" / "VERSION").read_text().strip()
+    assert re.fullmatch(r"\d+\.\d+\.\d+", version)
+    assert PROJECT["tool"]["hatch"]["version"]["path"] == "mat_core/VERSION"
+    assert (mat_core.__version__, service.__version__) == (version, version)
+    headings = re.findall(r"^## (\S+?),? ", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert headings[0] == version
+    for package in ("mat_core", "service", "tools"):
+        for path in (ROOT / package).rglob("*.py"):
+            assert version not in path.read_text(encoding="utf-8"), path

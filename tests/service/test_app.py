@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
+from service import __version__
 from service.app import create_app
 from service.errors import ERRORS, MEDIA_TYPE
 from service.settings import KIB, MIB, Settings
@@ -59,7 +60,7 @@ def test_what_is_there_answers(client: TestClient, path: str) -> None:
 
 
 def test_versions(client: TestClient) -> None:
-    assert client.get("/version").json() == {"service": "0.1.0", "algorithm": "test"}
+    assert client.get("/version").json() == {"service": __version__, "algorithm": "test"}
 
 
 @pytest.mark.parametrize("path", ["/nope", "/v1", "/v1/mat/", "/static/nope.js", "/static/../app.py", "/docs/"])
