@@ -61,6 +61,7 @@ def warm(progress: Callable[[str, int, int], None] | None = None) -> None:
     finally:
         if collecting:
             gc.enable()
+            gc.collect()
 
 
 def _solve_example(tell: Callable[[int], None]) -> None:

@@ -1,0 +1,24 @@
+"""Inputs that once went wrong; the line of each in the corpus says what did."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from mat_core import Domain, medial_axis
+from tests.assertions import assert_axis
+from tests.axis.test_oracle import corpus
+
+REGRESSIONS = corpus("regressions.jsonl.gz")
+
+
+@pytest.mark.parametrize("domain", REGRESSIONS, ids=[d["name"] for d in REGRESSIONS])
+def test_stays_cured(domain: dict[str, Any]) -> None:
+    answer = medial_axis(Domain.from_dict(domain)).to_dict()
+    assert answer["certificate"]["passed"] is True
+    assert answer["graph"]["cycles"] == len(domain["holes"])
+    assert answer["graph"]["components"] == 1
+    # far away the caller's own coordinates carry 1e-10 only
+    if domain["name"] != "far-ellipse":
+        assert_axis(domain, answer)
