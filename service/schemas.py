@@ -51,10 +51,11 @@ class Options(Request):
 
     tolerance: Annotated[float, Field(ge=1e-12, le=0.1, description="largest error of a fitted curve")] = 1e-6
     step: Annotated[float, Field(ge=1e-6, le=1e300, description="largest spacing of sample points")] | None = None
-    method: Annotated[Literal["discs", "march"], Field(description="march: the published procedure")] = "discs"
-    check_step: Annotated[int, Field(ge=1, le=10**6, description="march: steps between checks for a branch")] | None = (
-        None
-    )
+    method: Annotated[
+        Literal["discs", "march"],
+        Field(description="discs: maximal discs first; march, the published procedure, is refused by this version"),
+    ] = "discs"
+    check_step: Annotated[int, Field(ge=1, le=10**6, description="of march only, which this version refuses")] | None = None
     smooth_angle: Annotated[
         float, Field(ge=0, le=0.1, description="radians; a corner turning by less is taken as smooth")
     ] = 1e-6
