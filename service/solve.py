@@ -10,6 +10,7 @@ import hashlib
 import inspect
 import json
 import logging
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -33,8 +34,21 @@ Answer = tuple[dict[str, Any], bytes]
 
 
 def preload(progress: Callable[[str, int, int], None]) -> dict[str, str]:
-    """Load or compile every kernel before the first fork; say which versions these are."""
-    mat_core.warm(progress=progress)
+    """Load every kernel before the first fork; say which versions these are.
+
+    The compiler leaves hundreds of megabytes behind, which every worker would share. So a process that ends right after it fills
+    the cache first, and this one only loads from there (or compiles after all, if that process failed).
+    """
+    compiler = os.fork()
+    if compiler == 0:
+        status = 1
+        try:
+            mat_core.warm(progress=progress)
+            status = 0
+        finally:
+            os._exit(status)
+    os.waitpid(compiler, 0)
+    mat_core.warm()
     return {"service": __version__, "algorithm": mat_core.__version__}
 
 
