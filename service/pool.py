@@ -60,6 +60,10 @@ class WorkerCrashed(PoolError):
     """The worker ended without an answer."""
 
 
+class _WorkerWasDead(WorkerCrashed):
+    """The worker had ended before the request reached it (with its nursery, say): another one may have it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Reply:
     """What a worker answered, and how long the request waited and was worked on."""
@@ -84,6 +88,9 @@ class _Worker:
         try:
             self.writer.writelines(wire.pack(header, body))
             await self.writer.drain()
+        except ConnectionError:
+            raise _WorkerWasDead from None
+        try:
             head_size, body_size = wire.FRAME.unpack(await self.reader.readexactly(wire.FRAME.size))
             answer = orjson.loads(await self.reader.readexactly(head_size))
             return answer, await self.reader.readexactly(body_size)
@@ -149,9 +156,14 @@ class Pool:
         arrived = time.monotonic()
         try:
             async with asyncio.timeout(self._settings.deadline_seconds):
-                async with self._worker(len(body)) as worker:
-                    begun = time.monotonic()
-                    answer, content = await worker.exchange(header, body)
+                while True:
+                    try:
+                        async with self._worker(len(body)) as worker:
+                            begun = time.monotonic()
+                            answer, content = await worker.exchange(header, body)
+                        break
+                    except _WorkerWasDead:
+                        continue
         except TimeoutError:
             raise DeadlineExceeded from None
         if answer.pop("resident_bytes") > self._settings.worker_recycle_bytes:
@@ -183,7 +195,7 @@ class Pool:
     async def _idle_worker(self) -> _Worker:
         while True:
             worker = await self._idle.get()
-            if not worker.gone:
+            if not worker.gone and not worker.reader.at_eof():
                 return worker
 
     async def _supervise(self) -> None:

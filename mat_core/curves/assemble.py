@@ -17,6 +17,8 @@ from mat_core.axis import CurveTable, MedialAxis
 from mat_core.boundary.sites import SiteTable
 from mat_core.curves.conics import K_FREEFORM
 from mat_core.curves.fit import (
+    NO_FIT,
+    NO_ROOM,
     P_DEGREE,
     P_ERROR,
     P_KIND,
@@ -32,6 +34,7 @@ from mat_core.curves.fit import (
 )
 from mat_core.errors import NotCertified
 from mat_core.kernels.jit import jit
+from mat_core.kernels.layout import EDGE, LOOP
 from mat_core.model.domain import Domain
 from mat_core.topology.graph import AxisGraph
 from mat_core.topology.skeleton import Skeleton
@@ -44,8 +47,6 @@ FINE_TOLERANCE = 1e-7  # at and above: quintic pieces, below: degree 7 (fewer pi
 ROUNDING = 2e-16  # no stated error is less than the rounding of coordinates
 TRACE_ROUNDING = 1e-13  # nor that of a fitted piece less than the rounding of the axis points it is held against
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
-
-MOST_PIECES = 256  # a segment, on average: far above what a smooth curve needs at any tolerance
 
 
 @jit
@@ -193,6 +194,16 @@ def assemble_runs(
     return parts
 
 
+def _cannot_follow(table: SiteTable, skeleton: Skeleton, strip: int, tolerance: float) -> NotCertified:
+    """The diagnosis for a strip that was given up, at the middle of its two end discs."""
+    site_a, site_b, disc0, disc1 = (int(i) for i in skeleton.strip_i[strip])
+    middle = 0.5 * (skeleton.disc[disc0, :2] + skeleton.disc[disc1, :2]) / table.scale + table.origin
+    sides = " and ".join(f"edge {table.si[i, EDGE]} of loop {table.si[i, LOOP]}" for i in (site_a, site_b))
+    detail = (f"curves: the axis between {sides} does not lead from one of its end discs to the other, so no curve follows it "
+              f"within {tolerance / table.scale:.3g}; the discs there were probably joined or told apart wrongly")
+    return NotCertified(detail, (float(middle[0]), float(middle[1])) if np.isfinite(middle).all() else None)
+
+
 def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float) -> CurveTable:
     """Fit and assemble the curves of all segments.
 
@@ -208,27 +219,32 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     Returns
     -------
     CurveTable
-        Normalised coordinates. A piece that cannot be brought below the tolerance states the larger error.
+        Normalised coordinates. A piece that rounding keeps above the tolerance states the larger error.
+
+    Raises
+    ------
+    NotCertified
+        A strip cannot be followed: its discs and its sides do not belong together. Names the place and both sides.
     """
     wanted = graph.run_strip
     n = len(wanted)
     runs = len(graph.start_node)
     degree = 5 if tolerance >= FINE_TOLERANCE * 0.5 else 7
-    room = 4 * n + 32
+    room = n + 8
     first = np.empty(n + 1, dtype=np.int64)
-    while True:
+    count = NO_ROOM
+    while count == NO_ROOM:
+        room *= 4
         piece_i = np.empty((room, 4), dtype=np.int64)
         piece_f = np.empty((room, 4))
         piece_cp = np.empty((ROWS * room, 4))
+        # ends after the first growth but for curves of many pieces; at the latest at MAX_PIECES for each strip
         count = fit_strips(
             table.si, table.sf, table.cp, skeleton.disc, skeleton.strip_i, skeleton.strip_s, wanted, tolerance, degree,
             np.empty((STACK_ROWS, STACK_COLUMNS)), np.empty((12, 6)), np.empty((4, 3)), np.empty((4, 3)), np.empty(8),
             np.empty(4), np.empty(3), np.empty(3), piece_i, piece_f, piece_cp, first)
-        if count >= 0:
-            break
-        if room > MOST_PIECES * (n + 8):
-            raise NotCertified("a curve between two parts of the boundary could not be fitted with a bounded number of pieces")
-        room *= 4
+    if count <= NO_FIT:
+        raise _cannot_follow(table, skeleton, int(wanted[NO_FIT - count]), tolerance)
     degrees = np.empty(runs, dtype=np.int64)
     kinds = np.empty(runs, dtype=np.int64)
     max_error = np.empty(runs)

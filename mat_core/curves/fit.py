@@ -18,6 +18,11 @@ to be solved.
 
         check  node  check  node  check        The nodes make |tau^2 (1 - tau)^2 prod (tau - tau_i)| equally large at
       P---+-----o-----+-----o-----+---Q        all checks, which so see the largest error. A piece that fails is halved.
+                                               One that passes is checked again nearer to P and Q, where an error that
+                                               grows towards an end is largest.
+
+Halving ends at a chord that is short for the tolerance, at neighbouring floats, and at MAX_PIECES. A strip whose sides
+do not belong together, or whose end discs do not belong to its sides, cannot be followed; it is given up (NO_FIT).
 """
 
 from __future__ import annotations
@@ -47,8 +52,16 @@ STACK_ROWS, STACK_COLUMNS = 128, 7
 
 SAFETY = 1.5  # stated error over the largest one measured at the checks
 MIN_COSINE = 0.4  # of the angle between an end tangent and the chord; a piece that turns more is halved
+OUTER = 0.6  # abscissa of the checks beside the ends, relative to the first one's
+CHASE = 4  # samples to bring such a check within NEAR_ENOUGH of its abscissa
+NEAR_ENOUGH = 0.04
 MIN_GAP = 0.04  # least distance of neighbouring abscissae; below, the interpolation would be ill-conditioned
 TINY = 1e-11  # a chord this short is not halved any more, nor is an interval this short relative to the whole one
+SHORT = 0.25  # nor is a chord this short relative to the tolerance: drawn straight it is near enough
+LOST = 1e-9  # largest error, other than the tolerance, at which halving may end; more is a jump, not rounding
+MAX_PIECES = 256  # of one strip; smooth ones need far fewer at any tolerance
+NO_ROOM = -1  # status: the piece tables are too small
+NO_FIT = -2  # status: a strip cannot be followed
 CLOSED_FORM_BONUS = 0.1  # sample a free-form side unless it is this much shorter than a closed one: a cheap partner
 PARALLEL = 1e-9  # |n1 - n2| below which two normals at one vertex are one
 
@@ -182,6 +195,21 @@ def _bulge(hermite: Floats, t: float, m: int) -> float:
 
 
 @jit
+def _miss(samples: Floats, row: int, m: int, hermite: Floats, newton: Floats) -> float:
+    """Distance of the sample in one row from the fit."""
+    t = samples[row, 0]
+    weight = t * t * (1.0 - t) * (1.0 - t)
+    off = 0.0
+    for c in range(3):
+        g = newton[m - 1, c]
+        for i in range(m - 2, -1, -1):
+            g = g * (t - samples[2 * i + 1, 0]) + newton[i, c]
+        gap = _bulge(hermite, t, c) + weight * g - samples[row, 1 + c]
+        off += gap * gap
+    return math.sqrt(off)
+
+
+@jit
 def _interpolate(samples: Floats, m: int, hermite: Floats, newton: Floats) -> float:
     """Newton coefficients (m, 3) of g through the nodes (odd rows of `samples`); largest distance from the checks."""
     for i in range(m):
@@ -196,17 +224,8 @@ def _interpolate(samples: Floats, m: int, hermite: Floats, newton: Floats) -> fl
                 newton[i, c] = (newton[i, c] - newton[i - 1, c]) / gap
     worst = 0.0
     for row in range(0, 2 * m + 3, 2):
-        t = samples[row, 0]
-        weight = t * t * (1.0 - t) * (1.0 - t)
-        off = 0.0
-        for c in range(3):
-            g = newton[m - 1, c]
-            for i in range(m - 2, -1, -1):
-                g = g * (t - samples[2 * i + 1, 0]) + newton[i, c]
-            gap = _bulge(hermite, t, c) + weight * g - samples[row, 1 + c]
-            off += gap * gap
-        worst = max(worst, off)
-    return math.sqrt(worst)
+        worst = max(worst, _miss(samples, row, m, hermite, newton))
+    return worst
 
 
 @jit
@@ -239,6 +258,49 @@ def _write_piece(samples: Floats, m: int, hermite: Floats, newton: Floats, work:
 
 
 @jit
+def _share(f: float, half: float) -> float:
+    """Share of the way in s where tau is about f, when tau is `half` in the middle."""
+    return f * (1.0 - half) / (f * (1.0 - 2.0 * half) + half)
+
+
+@jit
+def _check_ends(
+    si: Ints, sf: Floats, cp: Floats, i: int, j: int, lo: float, hi: float, stack: Floats, top: int, m: int,
+    samples: Floats, hermite: Floats, newton: Floats,
+) -> float:
+    """Error of the fit that `_attempt` left, at one more check on the way from each outer one to the end.
+
+    One sample each where tau runs evenly; where it does not, regula falsi brings the check to its place.
+    """
+    row = 2 * m + 3
+    worst = 0.0
+    for end in range(2):
+        outer = 0 if end == 0 else 2 * m
+        t_in = samples[outer, 0]
+        s_in = samples[outer, 4]
+        t_out = 0.0 if end == 0 else 1.0
+        s_out = stack[2 * top + end, I_S]
+        f = OUTER * _fraction(m, 0)
+        wanted = f if end == 0 else 1.0 - f
+        s0 = stack[2 * top, I_S]
+        s = s0 + _share(wanted, samples[2 * m + 2, 0]) * (stack[2 * top + 1, I_S] - s0)
+        for _ in range(CHASE):
+            _sample(si, sf, cp, i, s, j, lo, hi, stack, top, samples, row)
+            worst = max(worst, _miss(samples, row, m, hermite, newton))
+            t = samples[row, 0]
+            if abs(t - wanted) < NEAR_ENOUGH:
+                break
+            if (t < wanted) == (end == 0):
+                t_out = t
+                s_out = s
+            else:
+                t_in = t
+                s_in = s
+            s = s_in + (s_out - s_in) * (wanted - t_in) / (t_out - t_in)
+    return worst
+
+
+@jit
 def _attempt(
     si: Ints, sf: Floats, cp: Floats, i: int, j: int, lo: float, hi: float, stack: Floats, top: int, m: int,
     samples: Floats, hermite: Floats, newton: Floats,
@@ -259,9 +321,7 @@ def _attempt(
     for k in range(2 * m + 1):
         if k == m and abs(half - 0.5) < 0.03:
             continue
-        f = _fraction(m, k)
-        share = f * (1.0 - half) / (f * (1.0 - 2.0 * half) + half)
-        _sample(si, sf, cp, i, s0 + share * (s1 - s0), j, lo, hi, stack, top, samples, k)
+        _sample(si, sf, cp, i, s0 + _share(_fraction(m, k), half) * (s1 - s0), j, lo, hi, stack, top, samples, k)
     before = 0.0
     for k in range(1, 2 * m + 1, 2):
         if not samples[k, 0] - before > MIN_GAP:
@@ -274,8 +334,12 @@ def _attempt(
 
 @jit
 def _straight(samples: Floats, m: int, stack: Floats, top: int, out: Floats, row: int) -> float:
-    """The last resort on a tiny interval: the chord itself; returns how far the middle sample is from it."""
+    """The last resort on a tiny interval: the chord itself; returns its error.
+
+    That is how far the middle sample is from it, and half its length where that could be a jump of the axis.
+    """
     off = 0.0
+    dd = 0.0
     t = min(max(samples[m, 0], 0.0), 1.0)
     for c in range(3):
         p = stack[2 * top, I_X + c]
@@ -286,7 +350,8 @@ def _straight(samples: Floats, m: int, stack: Floats, top: int, out: Floats, row
             out[row + k, 3] = 1.0
         gap = samples[m, 1 + c] - ((1.0 - t) * p + t * q)
         off += gap * gap
-    return math.sqrt(off)
+        dd += (q - p) * (q - p)
+    return max(math.sqrt(off), 0.5 * math.sqrt(dd) if dd > LOST * LOST else 0.0)
 
 
 @jit
@@ -317,21 +382,24 @@ def _conic_strip(
     si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, strip: int, ends: Floats,
     p0: Floats, p2: Floats, piece_i: Ints, piece_f: Floats, piece_cp: Floats, count: int,
 ) -> int:
-    """Pieces of a strip between lines, arcs and points; returns the new number of pieces, -1 when there is no room."""
+    """Pieces of a strip between lines, arcs and points; returns the new number of pieces or a status."""
     a = strip_i[strip, 0]
     b = strip_i[strip, 1]
     turn_a = swing(si, sf, a) * (ends[1] - ends[0])
     turn_b = swing(si, sf, b) * (ends[3] - ends[2])
     kind = conic_kind(si, sf, a, b)
     both_lines = si[a, KIND] == LINE and si[b, KIND] == LINE
-    pieces = 1 + int(0.5 * abs(turn_a + turn_b) / MAX_TURN)
+    share = 0.5 * abs(turn_a + turn_b) / MAX_TURN
+    if not share < MAX_PIECES:
+        return NO_FIT
+    pieces = 1 + int(share)
     side = 0 if abs(turn_a) >= abs(turn_b) else 1
     if both_lines:
         side = 0
     s0 = ends[2 * side]
     s1 = ends[2 * side + 1]
     if count + pieces > piece_i.shape[0]:
-        return -1
+        return NO_ROOM
     for m in range(3):
         p0[m] = disc[strip_i[strip, 2], m]
     before = s0
@@ -382,15 +450,14 @@ def _put_end(stack: Floats, row: int, s: float, x: float, y: float, r: float, t:
 @jit
 def _free_strip(
     si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, strip: int, ends: Floats,
-    tolerance: float, m: int, stack: Floats, samples: Floats, hermite: Floats, newton: Floats, work: Floats,
+    side: int, tolerance: float, m: int, stack: Floats, samples: Floats, hermite: Floats, newton: Floats, work: Floats,
     piece_i: Ints, piece_f: Floats, piece_cp: Floats, count: int,
 ) -> int:
-    """Pieces of a strip with a free-form side, in order of travel; returns their number, -1 when there is no room."""
+    """Pieces of a strip sampled through one side, in order of travel; returns their new number or a status."""
     a = strip_i[strip, 0]
     b = strip_i[strip, 1]
     d0 = strip_i[strip, 2]
     d1 = strip_i[strip, 3]
-    side = _choose_side(si, sf, a, b, ends, disc[d0, 2], disc[d1, 2])
     i = a if side == 0 else b
     j = b if side == 0 else a
     lo = ends[3] if side == 0 else ends[0]
@@ -401,21 +468,31 @@ def _free_strip(
     _put_end(stack, top, ends[2 * side], disc[d0, 0], disc[d0, 1], disc[d0, 2], t)
     t = tangent(si, sf, cp, a, ends[1], b, ends[3], disc[d1, 2], -1.0)
     _put_end(stack, top + 1, ends[2 * side + 1], disc[d1, 0], disc[d1, 1], disc[d1, 2], t)
+    begin = count
     while top >= 0:
         if count >= piece_i.shape[0]:
-            return -1
+            return NO_ROOM
+        if count - begin + top >= MAX_PIECES:
+            return NO_FIT
         error = _attempt(si, sf, cp, i, j, lo, hi, stack, top, m, samples, hermite, newton)
+        if SAFETY * error <= tolerance:
+            error = max(error, _check_ends(si, sf, cp, i, j, lo, hi, stack, top, m, samples, hermite, newton))
         s0 = stack[2 * top, I_S]
         s1 = stack[2 * top + 1, I_S]
+        s = samples[m, 4]
         chord = 0.0
         for c in range(3):
             chord = max(chord, abs(stack[2 * top + 1, I_X + c] - stack[2 * top, I_X + c]))
-        tiny = chord <= TINY or abs(s1 - s0) <= TINY * whole or 2 * top + 4 >= STACK_ROWS
-        if SAFETY * error <= tolerance or tiny:
+        tiny = not chord > max(TINY, SHORT * tolerance) or not abs(s1 - s0) > TINY * whole
+        if not 0.0 < abs(s - s0) < abs(s1 - s0) or 2 * top + 4 >= STACK_ROWS:
+            tiny = True
+        if tiny or SAFETY * error <= tolerance:
             if error < math.inf:
                 _write_piece(samples, m, hermite, newton, work, piece_cp, ROWS * count)
             else:
                 error = _straight(samples, m, stack, top, piece_cp, ROWS * count)
+            if not SAFETY * error <= max(tolerance, LOST):
+                return NO_FIT
             piece_i[count, P_SIDE] = side
             piece_i[count, P_DEGREE] = m + 3
             piece_i[count, P_KIND] = K_FREEFORM
@@ -424,7 +501,6 @@ def _free_strip(
             top -= 1
             continue
         # the far half waits below, the near half is done first
-        s = samples[m, 4]
         sj = samples[m, 5]
         t = tangent(si, sf, cp, a, s if side == 0 else sj, b, sj if side == 0 else s, samples[m, 3], 1.0)
         for c in range(STACK_COLUMNS):
@@ -445,8 +521,8 @@ def fit_strips(
     """Pieces of all `wanted` strips, from disc0 to disc1; those of strip w are first[w] .. first[w + 1].
 
     `piece_cp` has ROWS rows (x, y, r, w) for each piece. Room: stack (STACK_ROWS, STACK_COLUMNS), samples (12, 6),
-    hermite (4, 3), newton (4, 3), work (8,), ends (4,), p0, p2 (3,). Returns the number of pieces, -1 when the tables
-    are too small.
+    hermite (4, 3), newton (4, 3), work (8,), ends (4,), p0, p2 (3,). Returns the number of pieces, NO_ROOM when the tables
+    are too small, NO_FIT - w when strip wanted[w] cannot be followed.
     """
     count = int(np.int64(0))
     for w in range(wanted.shape[0]):
@@ -458,9 +534,19 @@ def fit_strips(
             count = _conic_strip(si, sf, cp, disc, strip_i, strip_s, strip, ends, p0, p2, piece_i, piece_f, piece_cp,
                                  count)
         else:
-            count = _free_strip(si, sf, cp, disc, strip_i, strip_s, strip, ends, tolerance, degree - 3, stack, samples,
-                                hermite, newton, work, piece_i, piece_f, piece_cp, count)
+            side = _choose_side(si, sf, strip_i[strip, 0], strip_i[strip, 1], ends, disc[strip_i[strip, 2], 2],
+                                disc[strip_i[strip, 3], 2])
+            begin = count
+            # a footpoint that belongs to its disc only to rounding misleads on its own side, not on the other one
+            for _ in range(2):
+                count = _free_strip(si, sf, cp, disc, strip_i, strip_s, strip, ends, side, tolerance, degree - 3, stack,
+                                    samples, hermite, newton, work, piece_i, piece_f, piece_cp, begin)
+                if count != NO_FIT:
+                    break
+                side = 1 - side
+        if count == NO_FIT:
+            return NO_FIT - w
         if count < 0:
-            return -1
+            return NO_ROOM
     first[wanted.shape[0]] = count
     return count
