@@ -44,7 +44,7 @@ OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is bet
 ANGLE_NEAR = 1e-5  # contacts nearer than this around a centre are ordered along the boundary, not by angle
 K_LOW = 1.9  # no disc in a domain of size at most 1 has a radius over 1/2
 
-OK, NO_PARTNER, INCONSISTENT, TOO_SMALL = 0, 1, 2, 3
+OK, NO_PARTNER, TOO_SMALL = 0, 1, 2
 
 
 @jit
