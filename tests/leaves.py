@@ -17,6 +17,7 @@ from tests.reference import Floats, Ints, Reference
 
 LARGEST = 2.0  # no disc of a domain of size one is larger
 LEVEL = 1e-8  # relative change of curvature below which an arc is circular
+JOINT_BLUR = 1e-14  # rounding of a cell's second derivative, in its own parameter: what two cells differ by where they meet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
 DOUBT = 1e-7  # up to here nobody can say
 ROUGH = 1e-3  # the disc at the highest point of the grid is this far from empty: so is the sharpened one
@@ -64,6 +65,7 @@ def candidates(reference: Reference) -> list[tuple[int, float, bool]]:
     for cells, s in smooth_chains(reference):
         point, normal, k = reference.at(cells, s)
         k = np.where(np.isnan(k), np.copysign(1e300, np.nan_to_num(np.roll(k, 1)) + np.nan_to_num(np.roll(k, -1))), k)
+        k = joined(reference, cells, k)
         runs = level_runs(k)
         peaks = [
             (a, b)
@@ -114,6 +116,18 @@ def smooth_chains(reference: Reference) -> list[tuple[Ints, Floats]]:
                 (np.repeat(np.array(piece, dtype=np.int64), grid), np.tile(np.linspace(0, 1, grid), len(piece)))
             )
     return chains
+
+
+def joined(reference: Reference, cells: Ints, k: Floats) -> Floats:
+    """Curvature with one value where two cells of one edge meet: near a zero of the speed their roundings differ widely."""
+    owner = np.asarray(reference.boundary.owner)[cells]
+    ends = np.nonzero((owner[1:] == owner[:-1]) & (cells[1:] == cells[:-1] + 1))[0]
+    mean = 0.5 * (k[ends] + k[ends + 1])
+    length = np.ptp(reference.boundary.control[cells[ends], :, :2], axis=1).max(axis=1)
+    same = np.abs(k[ends + 1] - k[ends]) * length**2 < JOINT_BLUR
+    result = k.copy()
+    result[ends[same]] = result[ends[same] + 1] = mean[same]
+    return result
 
 
 def level_runs(k: Floats) -> list[tuple[int, int]]:
