@@ -14,15 +14,15 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.bernstein import add_product, clear_row, scale_row, sign_changes
-from mat_core.kernels.bezier import restrict
+from mat_core.boundary.joints import end_frame
+from mat_core.kernels.bernstein import add_product, clear_row, restrict_row, scale_row, sign_changes
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
 
 # columns of the tables of pieces
 P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN = range(6)
-P_UA, P_UB, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(6)  # P_FRAME: (known, tx, ty, k) at both ends
+P_UA, P_UB, P_X, P_Y, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(8)  # P_X, P_Y: start; P_FRAME: tx, ty, k at both ends
 PI_WIDTH = 6
 PF_WIDTH = 13
 
@@ -230,38 +230,72 @@ def circle_of(cp, c0, deg, rounding, table):
 
 
 @jit
-def _emit_piece(cp, c0, deg, rational, begin, end, target, pieces_f, row):
-    """Control points of the part [begin, end] to rows target.. of `cp`, and its end frames from the whole Bezier.
+def _place_part(cp, c0, deg, rational, begin, end, table, target, pieces_f, row):
+    """Start of the part [begin, end], and its control points relative to that to rows target.. of `cp`.
 
-    A short part's own control points tell its curvature badly (their second differences cancel), the whole Bezier does not.
+    With numerators N = w (P - start), the restricted differences of N are summed up: the control points of a short part keep
+    their relative digits, of which a restricted N itself would lose those of the part's size against the whole.
     """
-    if begin == 0.0 and end == 1.0:
-        for i in range(deg + 1):
-            for axis in range(3):
-                cp[target + i, axis] = cp[c0 + i, axis]
-    else:
-        restrict(cp, c0, deg, begin, end, cp, target)
-    for side in range(2):
-        s = begin if side == 0 else end
-        inside = 0.0 < s < 1.0
-        pieces_f[row, P_FRAME + 4 * side] = 1.0 if inside else 0.0
-        if inside:
-            x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, 0.0, 0.0)
-            speed = math.sqrt(x1 * x1 + y1 * y1)
-            if speed <= 1e-9 * math.sqrt(x2 * x2 + y2 * y2):
-                pieces_f[row, P_FRAME + 4 * side] = 0.0
-                continue
-            pieces_f[row, P_FRAME + 4 * side + 1] = x1 / speed
-            pieces_f[row, P_FRAME + 4 * side + 2] = y1 / speed
-            pieces_f[row, P_FRAME + 4 * side + 3] = (x1 * y2 - y1 * x2) / (speed * speed * speed)
+    ox = cp[c0, 0]
+    oy = cp[c0, 1]
+    if begin > 0.0:
+        near = c0 if begin <= 0.5 else c0 + deg
+        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, cp[near, 0], cp[near, 1])
+        ox = cp[near, 0] + x
+        oy = cp[near, 1] + y
+    pieces_f[row, P_X] = ox
+    pieces_f[row, P_Y] = oy
+    for i in range(deg + 1):
+        w = cp[c0 + i, 2]
+        table[_X, i] = w * (cp[c0 + i, 0] - ox)
+        table[_Y, i] = w * (cp[c0 + i, 1] - oy)
+        table[_W, i] = w
+    for i in range(deg):
+        table[_X1, i] = table[_X, i + 1] - table[_X, i]
+        table[_Y1, i] = table[_Y, i + 1] - table[_Y, i]
+    restrict_row(table, _W, deg, begin, end)
+    restrict_row(table, _X1, deg - 1, begin, end)
+    restrict_row(table, _Y1, deg - 1, begin, end)
+    x = 0.0
+    y = 0.0
+    for i in range(deg + 1):
+        w = table[_W, i]
+        cp[target + i, 0] = x / w
+        cp[target + i, 1] = y / w
+        cp[target + i, 2] = w
+        if i < deg:
+            x += (end - begin) * table[_X1, i]
+            y += (end - begin) * table[_Y1, i]
 
 
 @jit
-def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, table, work, bounds,
-                roots):
+def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row):
+    """Unit tangents and curvatures at both ends of a part, from the whole Bezier unless that stands still there."""
+    for side in range(2):
+        s = begin if side == 0 else end
+        if 0.0 < s < 1.0:
+            x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[c0, 0], cp[c0, 1])
+            speed = math.sqrt(x1 * x1 + y1 * y1)
+            if speed > 1e-9 * math.sqrt(x2 * x2 + y2 * y2):
+                tx = x1 / speed
+                ty = y1 / speed
+                k = (x1 * y2 - y1 * x2) / (speed * speed * speed)
+            else:
+                tx, ty, k = end_frame(cp, target, deg, side == 1, noise)
+        else:
+            tx, ty, k = end_frame(cp, c0, deg, side == 1, noise)
+        pieces_f[row, P_FRAME + 3 * side] = tx
+        pieces_f[row, P_FRAME + 3 * side + 1] = ty
+        pieces_f[row, P_FRAME + 3 * side + 2] = k
+
+
+@jit
+def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
+                bounds, roots):
     """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_u`: ua, ub) into pieces, in loop order.
 
-    New control points go behind row `cp_used` of `cp`. Returns (pieces, rows of cp); pieces = -1 if a buffer is too small.
+    New control points go behind row `cp_used` of `cp`, relative to the start of their piece; a piece ends where the next starts.
+    Returns (pieces, rows of cp); pieces = -1 if a buffer is too small.
     """
     count = 0
     piece_loop_start[0] = 0
@@ -299,12 +333,9 @@ def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
                         end = begin + 0.5 * (end - begin)
                     if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                         return -1, cp_used
-                    _emit_piece(cp, c0, deg, rational, begin, end, cp_used, pieces_f, count)
-                    if begin > 0.0:
-                        # both sides of a cut share the very same point
-                        before = pieces_i[count - 1, P_CP0] + deg
-                        cp[cp_used, 0] = cp[before, 0]
-                        cp[cp_used, 1] = cp[before, 1]
+                    _place_part(cp, c0, deg, rational, begin, end, table, cp_used, pieces_f, count)
+                    if kind == SPIRAL:
+                        _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
                     pieces_i[count, P_KIND] = kind
                     pieces_i[count, P_DEG] = deg
                     pieces_i[count, P_CP0] = cp_used

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.boundary.joints import CUSP_ANGLE, cusp_is_convex, end_frame
+from mat_core.boundary.joints import CUSP_ANGLE, cusp_is_convex
 from mat_core.boundary.pieces import (
     P_CENTRE_X,
     P_CENTRE_Y,
@@ -26,6 +26,8 @@ from mat_core.boundary.pieces import (
     P_SPAN,
     P_UA,
     P_UB,
+    P_X,
+    P_Y,
     PF_WIDTH,
     PI_WIDTH,
     SCRATCH_ROWS,
@@ -81,8 +83,8 @@ from mat_core.tolerances import Tolerances
 class SiteTable(NamedTuple):
     """Sites of a domain in normalised coordinates, (input - origin) * scale, so that the larger side is in [0.5, 1].
 
-    si (n, SI_WIDTH) int64 and sf (n, SF_WIDTH) float64: columns in `mat_core.kernels.layout`; cp (m, 3): control points x, y,
-    weight; loop_start (L + 1,): sites of each loop; origin (2,); scale: a power of two.
+    si (n, SI_WIDTH) int64 and sf (n, SF_WIDTH) float64: columns in `mat_core.kernels.layout`; cp (m, 3): control points x, y
+    (relative to the site's start) and weight; loop_start (L + 1,): sites of each loop; origin (2,); scale: a power of two.
     """
 
     si: NDArray[np.int64]
@@ -147,8 +149,8 @@ def _collect_beziers(
 
 
 @jit
-def _fill_piece(pieces_i, pieces_f, p, cp, site, loop, vertex, vertex_after, noise, si, sf):
-    """Step 3 for one piece: its row of the table."""
+def _fill_piece(pieces_i, pieces_f, p, after, cp, site, loop, si, sf):
+    """Step 3 for piece p, which ends where `after` starts: its row of the table."""
     deg = pieces_i[p, P_DEG]
     c0 = pieces_i[p, P_CP0]
     kind = pieces_i[p, P_KIND]
@@ -156,29 +158,31 @@ def _fill_piece(pieces_i, pieces_f, p, cp, site, loop, vertex, vertex_after, noi
     si[site, DEG] = deg
     si[site, CP0] = c0
     si[site, RATIONAL] = pieces_i[p, P_RATIONAL]
-    si[site, V0] = vertex
-    si[site, V1] = vertex_after
+    si[site, V0] = p
+    si[site, V1] = after
     si[site, LOOP] = loop
     si[site, EDGE] = pieces_i[p, P_EDGE]
     si[site, SPAN] = pieces_i[p, P_SPAN]
     si[site, CORNER] = SMOOTH_JOINT
     sf[site, UA] = pieces_f[p, P_UA]
     sf[site, UB] = pieces_f[p, P_UB]
-    x0 = sf[site, X0] = cp[c0, 0]
-    y0 = sf[site, Y0] = cp[c0, 1]
-    x1 = sf[site, X1] = cp[c0 + deg, 0]
-    y1 = sf[site, Y1] = cp[c0 + deg, 1]
-    xmin = xmax = x0
-    ymin = ymax = y0
+    x0 = sf[site, X0] = pieces_f[p, P_X]
+    y0 = sf[site, Y0] = pieces_f[p, P_Y]
+    x1 = sf[site, X1] = pieces_f[after, P_X]
+    y1 = sf[site, Y1] = pieces_f[after, P_Y]
+    xmin = min(x0, x1)
+    xmax = max(x0, x1)
+    ymin = min(y0, y1)
+    ymax = max(y0, y1)
     length = 0.0
     for i in range(1, deg + 1):
-        x = cp[c0 + i, 0]
-        y = cp[c0 + i, 1]
-        xmin = min(xmin, x)
-        xmax = max(xmax, x)
-        ymin = min(ymin, y)
-        ymax = max(ymax, y)
-        length += math.sqrt((x - cp[c0 + i - 1, 0]) ** 2 + (y - cp[c0 + i - 1, 1]) ** 2)
+        dx = cp[c0 + i, 0]
+        dy = cp[c0 + i, 1]
+        xmin = min(xmin, x0 + dx)
+        xmax = max(xmax, x0 + dx)
+        ymin = min(ymin, y0 + dy)
+        ymax = max(ymax, y0 + dy)
+        length += math.sqrt((dx - cp[c0 + i - 1, 0]) ** 2 + (dy - cp[c0 + i - 1, 1]) ** 2)
     sf[site, XMIN] = xmin
     sf[site, YMIN] = ymin
     sf[site, XMAX] = xmax
@@ -205,15 +209,9 @@ def _fill_piece(pieces_i, pieces_f, p, cp, site, loop, vertex, vertex_after, noi
         length = abs(sweep / k)
     else:
         for side in range(2):
-            if pieces_f[p, P_FRAME + 4 * side] != 0.0:
-                tx = pieces_f[p, P_FRAME + 4 * side + 1]
-                ty = pieces_f[p, P_FRAME + 4 * side + 2]
-                k = pieces_f[p, P_FRAME + 4 * side + 3]
-            else:
-                tx, ty, k = end_frame(cp, c0, deg, side == 1, noise)
-            sf[site, TX0 + 2 * side] = tx
-            sf[site, TY0 + 2 * side] = ty
-            sf[site, K0 + side] = k
+            sf[site, TX0 + 2 * side] = pieces_f[p, P_FRAME + 3 * side]
+            sf[site, TY0 + 2 * side] = pieces_f[p, P_FRAME + 3 * side + 1]
+            sf[site, K0 + side] = pieces_f[p, P_FRAME + 3 * side + 2]
         sf[site, SWEEP] = 0.0
     sf[site, LEN] = length
 
@@ -251,7 +249,7 @@ def _move_site(source, target, si, sf):
 
 
 @jit
-def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, noise, si, sf, turns, loop_start):
+def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, si, sf, turns, loop_start):
     """Step 3: all loops. `si`, `sf` have room for twice the pieces; returns the number of sites."""
     count = 0
     loop_start[0] = 0
@@ -261,7 +259,7 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, noise, s
         base = count
         for p in range(n):
             after = p + 1 if p + 1 < n else 0
-            _fill_piece(pieces_i, pieces_f, first + p, cp, base + p, loop, first + p, first + after, noise, si, sf)
+            _fill_piece(pieces_i, pieces_f, first + p, first + after, cp, base + p, loop, si, sf)
         fans = 0
         for p in range(n):
             a = base + (p if p > 0 else n) - 1
@@ -350,7 +348,8 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
         pieces_f = np.empty((n_bez * room + 16, PF_WIDTH))
         piece_loop_start = np.zeros(len(a.loop_start), dtype=np.int64)
         n_pieces, rows = cut_beziers(
-            bez_i, bez_u, bez_loop_start, grown, used, pieces_i, pieces_f, piece_loop_start, rounding, table, work, bounds, roots)
+            bez_i, bez_u, bez_loop_start, grown, used, pieces_i, pieces_f, piece_loop_start, rounding, 4.0 * rounding,
+            table, work, bounds, roots)
         if n_pieces >= 0:
             break
         room *= 4
@@ -358,5 +357,5 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     sf = np.zeros((2 * n_pieces, SF_WIDTH))
     turns = np.empty(n_pieces)
     loop_start = np.empty(len(a.loop_start), dtype=np.int64)
-    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, 4.0 * rounding, si, sf, turns, loop_start)
+    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, si, sf, turns, loop_start)
     return SiteTable(si[:n], sf[:n], grown[:rows], loop_start, origin, scale)

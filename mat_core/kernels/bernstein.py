@@ -35,6 +35,20 @@ def add_product(table, a, na, b, nb, out, factor):
 
 
 @jit
+def restrict_row(table, row, n, a, b):
+    """Bernstein coefficients over [a, b] instead of [0, 1], 0 <= a < b <= 1, by convex steps."""
+    if b < 1.0:
+        for level in range(1, n + 1):
+            for i in range(n, level - 1, -1):
+                table[row, i] = (1.0 - b) * table[row, i - 1] + b * table[row, i]
+    if a > 0.0:
+        share = a / b
+        for level in range(1, n + 1):
+            for i in range(n - level + 1):
+                table[row, i] = (1.0 - share) * table[row, i] + share * table[row, i + 1]
+
+
+@jit
 def clear_row(table, row, n):
     """Set the n + 1 coefficients of a row to zero."""
     for i in range(n + 1):

@@ -1,8 +1,8 @@
 """Position, tangent and curvature on a site, relative to an origin of the caller's choice.
 
-Why relative: the curvature of a circle through two nearby boundary points divides by their squared distance. Subtracting the
-origin from the control points *before* they are combined keeps all digits of small differences, when the origin is the point
-itself or a vertex that both points are near to.
+Why relative: the curvature of a circle through two nearby boundary points divides by their squared distance. The control points
+of a site are kept relative to its start, and taken relative to its end where that is the origin: all digits of small differences
+stay when the origin is a vertex that both points are near to, and a tiny piece has derivatives as exact as a large one.
 
 A Bezier of degree d is evaluated from three points b0, b1, b2 of its degree d - 2 sub-polygons:
     A = (1-s)^2 b0 + 2 s (1-s) b1 + s^2 b2,   A' = d ((1-s)(b1-b0) + s(b2-b1)),   A'' = d (d-1) (b2 - 2 b1 + b0)
@@ -93,6 +93,20 @@ def bezier_frame(cp, c0, deg, rational, s, ox, oy):
 
 
 @jit
+def site_frame(si, sf, cp, i, s, ox, oy):
+    """`bezier_frame` of the Bezier of site i, relative to (ox, oy): from the end that is the origin, else from the nearer one."""
+    c0 = si[i, CP0]
+    deg = si[i, DEG]
+    at_start = ox == sf[i, X0] and oy == sf[i, Y0]
+    at_end = ox == sf[i, X1] and oy == sf[i, Y1]
+    if at_start if at_start != at_end else s <= 0.5:
+        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, si[i, RATIONAL], s, 0.0, 0.0)
+        return x + (sf[i, X0] - ox), y + (sf[i, Y0] - oy), x1, y1, x2, y2
+    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, si[i, RATIONAL], s, cp[c0 + deg, 0], cp[c0 + deg, 1])
+    return x + (sf[i, X1] - ox), y + (sf[i, Y1] - oy), x1, y1, x2, y2
+
+
+@jit
 def evaluate(si, sf, cp, i, s, ox, oy):
     """(dx, dy, tx, ty, k, speed) at s on site i.
 
@@ -132,7 +146,7 @@ def evaluate(si, sf, cp, i, s, ox, oy):
         tx = sf[i, TX0]
         ty = sf[i, TY0]
         return sf[i, X0] - ox, sf[i, Y0] - oy, ca * tx - sa * ty, ca * ty + sa * tx, -math.inf, abs(sf[i, SWEEP])
-    x, y, x1, y1, x2, y2 = bezier_frame(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], s, ox, oy)
+    x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, i, s, ox, oy)
     speed = math.sqrt(x1 * x1 + y1 * y1)
     if s <= 0.0:
         return x, y, sf[i, TX0], sf[i, TY0], sf[i, K0], speed
@@ -174,7 +188,7 @@ def edge_parameter(si, sf, cp, i, s):
     hi = 1.0
     v = s
     for _ in range(60):
-        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, si[i, RATIONAL], v, px, py)
+        x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, i, v, px, py)
         f = x * tx + y * ty
         if f > 0.0:
             hi = v

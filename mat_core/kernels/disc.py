@@ -21,18 +21,15 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.curve import bezier_frame, evaluate
+from mat_core.kernels.curve import evaluate, site_frame
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import (
     ARC,
-    CP0,
-    DEG,
     FAN,
     K0,
     KIND,
     LEN,
     LINE,
-    RATIONAL,
     SWEEP,
     TX0,
     TX1,
@@ -235,11 +232,8 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
         s = a + (b - a) * above / (above - below)
         if not a < s < b:
             s = 0.5 * (a + b)
-    deg = si[j, DEG]
-    rational = si[j, RATIONAL]
-    c0 = si[j, CP0]
     for _ in range(NEWTON_STEPS):
-        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, ox, oy)
+        x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
         dx = x - dpx
         dy = y - dpy
         dd = dx * dx + dy * dy
@@ -262,7 +256,7 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
         s = new
         if step <= 1e-14 or b - a <= 1e-15:
             break
-    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, ox, oy)
+    x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
     phi = through_point(x - dpx, y - dpy, nx, ny)
     if phi >= best:
         return phi, s

@@ -5,8 +5,8 @@ Bezier piece is shown to stay outside a disc of centre c and radius r by the sig
 
     h(s) = |q(s)|^2 - r^2 w(s)^2,    q = w (C - c)        (homogeneous, so polynomial for rational pieces as well)
 
-in Bernstein form. Coefficients without a negative one prove it; a convex row (second differences not negative) has one
-minimum, found by bracketed Newton; any other row is halved.
+in Bernstein form; C and c are relative to the piece's start. Coefficients without a negative one prove it; a convex row
+(second differences not negative) has one minimum, found by bracketed Newton; any other row is halved.
 """
 
 from __future__ import annotations
@@ -72,10 +72,10 @@ def fill_boxes(si, sf, cp, box):
             ymax = max(sf[i, Y0], sf[i, Y1])
         elif kind != FAN:
             for row in range(si[i, CP0], si[i, CP0] + si[i, DEG] + 1):
-                xmin = min(xmin, cp[row, 0])
-                ymin = min(ymin, cp[row, 1])
-                xmax = max(xmax, cp[row, 0])
-                ymax = max(ymax, cp[row, 1])
+                xmin = min(xmin, sf[i, X0] + cp[row, 0])
+                ymin = min(ymin, sf[i, Y0] + cp[row, 1])
+                xmax = max(xmax, sf[i, X0] + cp[row, 0])
+                ymax = max(ymax, sf[i, Y0] + cp[row, 1])
         box[n + i, 0] = xmin
         box[n + i, 1] = ymin
         box[n + i, 2] = xmax
@@ -155,7 +155,7 @@ def foot(si, sf, cp, i, lo, hi, x, y, guess):
         s = lo if s < lo else (hi if s > hi else s)
         return math.sqrt(dx * dx + dy * dy), s
     else:
-        return _bezier_foot(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], lo, hi, x, y, guess)
+        return _bezier_foot(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], lo, hi, x - sf[i, X0], y - sf[i, Y0], guess)
     s = lo if s < lo else (hi if s > hi else s)
     dx, dy, tx, ty, curvature, speed = evaluate(si, sf, cp, i, s, x, y)
     return math.sqrt(dx * dx + dy * dy), s
@@ -342,7 +342,8 @@ def depths(si, sf, cp, box, stack, work, binomial, disc, depth):
             elif kind == ARC:
                 gap = _arc_distance(sf, i, x, y) - r
             else:
-                gap = _outside_bezier(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], x, y, r, work, binomial)
+                gap = _outside_bezier(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], x - sf[i, X0], y - sf[i, Y0], r, work,
+                                      binomial)
             if gap < worst:
                 worst = gap
         depth[m] = -worst

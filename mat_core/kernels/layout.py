@@ -2,7 +2,7 @@
 
 A *site* is what a maximal disc may touch: a boundary piece (LINE, ARC, SPIRAL) or the point of a reflex vertex with its
 range of normals (FAN). Sites stand in loop order with the interior on the left. `si` holds the integers of a site, `sf`
-the floats, `cp` the control points (x, y, weight) of its Bezier piece.
+the floats, `cp` the control points (x, y, weight) of its Bezier piece, x and y relative to the site's start (X0, Y0).
 """
 
 from __future__ import annotations

@@ -35,12 +35,15 @@ from mat_core.kernels.layout import (
     TX1,
     TY0,
     TY1,
+    V0,
+    V1,
     VERTEX_LEAF,
     X0,
     Y0,
 )
 
 OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is better by more than rounding
+COORDINATE = 2.3e-16  # rounding of a normalised coordinate
 ANGLE_NEAR = 1e-5  # contacts nearer than this around a centre are ordered along the boundary, not by angle
 K_LOW = 1.9  # no disc in a domain of size at most 1 has a radius over 1/2
 
@@ -73,6 +76,18 @@ def _grows(at_joint, far):
 
 
 @jit
+def _phi_noise(si, sf, cp, j, winner, s):
+    """Rounding of phi at a contact of the disc at joint j: that of the coordinates over the squared distance.
+
+    Nothing where the contact's site meets the joint: it is taken relative to that.
+    """
+    if winner < 0 or si[winner, V0] == si[j, V0] or si[winner, V1] == si[j, V0]:
+        return 0.0
+    dx, dy, tx, ty, k, speed = evaluate(si, sf, cp, winner, s, sf[j, X0], sf[j, Y0])
+    return 2.0 * COORDINATE / (dx * dx + dy * dy)
+
+
+@jit
 def joint_disc(si, sf, cp, tree, stack, j, hint, tie):
     """(status, kind, x, y, r, winner, s): the maximal disc at the start of site j.
 
@@ -94,7 +109,7 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie):
     arcs = (1 if right and si[j, KIND] == ARC else 0) + (2 if left and si[before, KIND] == ARC else 0)
     if arcs > 0 and own >= phi * (1.0 - tie):
         return OK, ARC_CONTACT, px + nx / own, py + ny / own, 1.0 / own, arcs, 0.0
-    if own >= phi * (1.0 - OWN_RELATIVE):
+    if own >= phi * (1.0 - OWN_RELATIVE) - _phi_noise(si, sf, cp, j, winner, s):
         grows = (left and _grows(kl, sf[before, K0])) or (right and _grows(kr, sf[j, K1]))
         if not grows or winner < 0:
             return OK, CURVATURE_LEAF, px + nx / own, py + ny / own, 1.0 / own, -1, 0.0
