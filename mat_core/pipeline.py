@@ -45,7 +45,8 @@ def medial_axis(
         Largest spacing of sample points along the axis, relative to the larger side of the bounding box (the paper's tracing
         step, section 6). The curves do not depend on it.
     smooth_angle : float
-        Radians, 0 to 0.1; joints that turn by less are smooth: no branch of the axis runs into them.
+        Radians, 0 to 0.1; joints that turn by less are smooth: no branch of the axis runs into them. Where no axis with them
+        smoothed passes its certificate (the rest of the boundary is nearly a circle, say), they are corners after all.
 
     Returns
     -------
@@ -76,7 +77,7 @@ def medial_axis(
 
 def _solve(domain: Domain, tolerance: float, step: float | None, smooth_angle: float, tolerances: Tolerances) -> MedialAxis:
     """One rung of the ladder."""
-    table = build_sites(domain, smooth_angle, tolerances)
+    table = build_sites(domain, min(smooth_angle, tolerances.smooth), tolerances)
     skeleton, graph = build_graph(table, build_skeleton(table, tolerances), tolerances)
     axis = build_axis(domain, table, skeleton, graph, tolerance, step)
     certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -15,6 +16,8 @@ class Tolerances:
     ----------
     rounding : float
         Noise of a normalised coordinate: two units in the last place. Decides what is a straight line or a circle.
+    smooth : float
+        Radians; joints that turn by less are smooth, unless the caller's `smooth_angle` is smaller.
     same_disc : float
         Two discs found from different contacts are one if centre and radius agree this well.
     same_crossed : float
@@ -26,6 +29,7 @@ class Tolerances:
     """
 
     rounding: float = 4.5e-16
+    smooth: float = math.inf
     same_disc: float = 1e-12
     same_crossed: float = 1e-10
     tie: float = 1e-11
@@ -33,8 +37,18 @@ class Tolerances:
 
 
 LADDER = (
+    # what a clean drawing needs, then the same for ties and joints told apart as finely as rounding allows
     Tolerances(),
     Tolerances(same_disc=1e-14, same_crossed=1e-12, tie=1e-13, same_node=1e-13),
+    # nothing smoothed: joints that turn by little are corners with branches of their own
+    Tolerances(smooth=1e-13),
+    Tolerances(smooth=1e-13, same_disc=1e-15, same_crossed=1e-13, tie=1e-15, same_node=1e-14),
+    Tolerances(smooth=1e-13, same_disc=1e-12, same_crossed=1e-12, tie=1e-15, same_node=1e-12),
+    # noise far below the certificate's limits is none: lines, circles and joints are what they are but for it
+    Tolerances(smooth=1e-12, rounding=1e-13),
+    Tolerances(smooth=1e-11, rounding=1e-12),
+    Tolerances(smooth=1e-10, rounding=1e-11, same_disc=1e-10, same_crossed=1e-10, tie=1e-10, same_node=1e-10),
+    # nearly equal discs are one: inputs with noise of the size of these tolerances
     Tolerances(same_crossed=1e-8),
     Tolerances(same_disc=1e-10, same_crossed=1e-8, tie=1e-9, same_node=1e-9),
     Tolerances(same_disc=1e-8, same_crossed=1e-6, tie=1e-7, same_node=1e-8),

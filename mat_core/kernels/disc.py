@@ -44,6 +44,8 @@ from mat_core.kernels.layout import (
 )
 
 NEWTON_STEPS = 60
+CONCENTRIC = 1e-14  # a disc this near to an arc's centre, relative to its radius, touches it anywhere
+CANCELLED = 0.1  # below this share left over, a difference has lost a digit
 
 
 @jit
@@ -87,10 +89,27 @@ def touch_fan(sf, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
 
 
 @jit
+def _onto_circle(ex, ey, nx, ny, k, r):
+    """Radius near r of the disc at e (relative to the centre of a circle of curvature k), normal n, that touches the circle."""
+    for _ in range(2):
+        cx = ex + r * nx
+        cy = ey + r * ny
+        distance = math.sqrt(cx * cx + cy * cy)
+        inside = k > 0.0
+        slope = (cx * nx + cy * ny) / distance + (1.0 if inside else -1.0) if distance > 0.0 else 0.0
+        if abs(slope) < 1e-3:
+            break
+        r -= (distance - (1.0 / k - r if inside else r - 1.0 / k)) / slope
+    return r
+
+
+@jit
 def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     """LINE and ARC in closed form, about one end (ref, normal m, signed curvature k), g = p - ref:
 
     r = (2 g.m - k |g|^2) / (2 (k n.g + |n - m|^2 / 2))
+
+    For an arc around a centre o near that of the disc it is nearly 0/0: Newton's method on |g + r n - o| = |1/k - r| follows.
     """
     from_end = sf[j, X1] == ox and sf[j, Y1] == oy
     rx = sf[j, X1] if from_end else sf[j, X0]
@@ -107,6 +126,8 @@ def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     den = 2.0 * (gx * mx + gy * my) - k * (gx * gx + gy * gy)
     if num > 0.0 and den > 0.0:
         r = 0.5 * den / num
+        if k != 0.0 and num < CANCELLED * gap:
+            r = _onto_circle(gx - mx / k, gy - my / k, nx, ny, k, r)
         cx = gx + r * nx
         cy = gy + r * ny
         base = 1.0 if from_end else 0.0
@@ -118,6 +139,8 @@ def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
             ux = (cx - mx / k) * sign
             uy = (cy - my / k) * sign
             s = base + math.atan2(-(mx * uy - my * ux), -(mx * ux + my * uy)) / sf[j, SWEEP]
+            if (ux * ux + uy * uy) * k * k < CONCENTRIC * CONCENTRIC:
+                s = 0.5 * (lo + hi)
         if lo <= s <= hi:
             return 1.0 / r, s
     return _ends(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny)

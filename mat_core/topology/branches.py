@@ -8,6 +8,9 @@ is a branch point, the disc with contacts on arc 0, arc j and arc j':
     2. if another arc in between has a larger phi at s, it splits the bracket in two
     3. otherwise the disc is a node; arcs in between that tie with it and are touched inside are contacts too (4-way, n-way)
 
+From far away two arcs that meet at a nearly smooth corner look alike: there the root is solved once more along one of them, where
+the other one's phi is taken relative to their common vertex.
+
 The nodes along arc 0 cut the face into strips on arc 0 and smaller faces that no longer contain it.
 
 A face in the work buffer is a row for each arc: ints (site, disc that closes it towards the next arc), floats (lo, hi).
@@ -18,14 +21,38 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.boxtree import box_distance_sq
-from mat_core.kernels.curve import evaluate
+from mat_core.kernels.curve import evaluate, site_frame
 from mat_core.kernels.disc import touch_from
 from mat_core.kernels.jit import jit
-from mat_core.kernels.layout import FAN, KIND, LEN, NEXT, PREV, SWEEP, XMAX, XMIN, YMAX, YMIN
+from mat_core.kernels.layout import (
+    ARC,
+    FAN,
+    K0,
+    KIND,
+    LEN,
+    LINE,
+    NEXT,
+    PREV,
+    SWEEP,
+    TX0,
+    TY0,
+    V0,
+    V1,
+    X0,
+    XMAX,
+    XMIN,
+    Y0,
+    YMAX,
+    YMIN,
+)
 from mat_core.topology.discs import K_LOW, NO_PARTNER, OK, TOO_SMALL
 
 ROOT_STEPS = 120
 YIELD = 4.0  # ties
+CONCENTRIC = 1e-14  # a centre this near to an arc's, relative to its radius, has no nearest point there
+FOOT_STEPS = 40
+POLISH_STEPS = 6
+CURVED = 8.0  # a curved arc is walked along rather than a straight one this much longer: its partners are better told apart
 PARALLEL = 1e-7  # determinant of three contact directions below which a disc is not polished
 
 
@@ -101,6 +128,44 @@ def _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie):
 
 
 @jit
+def _common_end(si, i, j):
+    """0 or 1 when sites i and j meet at the start or at the end of i, else -1."""
+    if si[i, KIND] == FAN or si[j, KIND] == FAN or i == j:
+        return -1
+    if si[i, V0] == si[j, V1]:
+        return 0
+    return 1 if si[i, V1] == si[j, V0] else -1
+
+
+@jit
+def _root_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
+    """Solve the node of arcs 0, left, right once more along `left` if that meets `right` at a vertex: `disc[d]`, contacts `s`."""
+    i = w_i[left, 0]
+    end = _common_end(si, i, w_i[right, 0])
+    if end < 0:
+        return
+    lo = w_f[left, 0]
+    hi = w_f[left, 1]
+    if end == 0:
+        at, phi, s_right, s_0 = _root(si, sf, cp, i, lo, hi, w_i, w_f, right, 0, tie)
+    else:
+        at, phi, s_0, s_right = _root(si, sf, cp, i, lo, hi, w_i, w_f, 0, right, tie)
+    if not K_LOW < phi < math.inf:
+        return
+    px, py, tx, ty, k, speed = evaluate(si, sf, cp, i, at, 0.0, 0.0)
+    x = px - ty / phi
+    y = py + tx / phi
+    if math.sqrt((x - disc[d, 0]) ** 2 + (y - disc[d, 1]) ** 2) > 1e-6 / phi:
+        return
+    disc[d, 0] = x
+    disc[d, 1] = y
+    disc[d, 2] = 1.0 / phi
+    s[0] = s_0
+    s[1] = at
+    s[2] = s_right
+
+
+@jit
 def _best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi, tie):
     """The partner among arcs low .. high (both ends left out) with a phi above `phi`: (phi, arc), arc -1 if there is none."""
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
@@ -129,56 +194,107 @@ def _length(si, sf, disc, w_i, w_f, arc):
     share = w_f[arc, 1] - w_f[arc, 0]
     if si[site, KIND] == FAN:
         return 0.25 * abs(sf[site, SWEEP]) * disc[w_i[arc, 1], 2] * share
-    return sf[site, LEN] * share
+    return sf[site, LEN] * share * (1.0 if si[site, KIND] == LINE else CURVED)
 
 
 @jit
 def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
-    """One Newton step of the footpoint of (cx, cy) on site i from s, kept in [lo, hi]."""
-    dx, dy, tx, ty, k, speed = evaluate(si, sf, cp, i, s, cx, cy)
-    if si[i, KIND] == FAN:
-        step = math.atan2(tx * dx + ty * dy, -(tx * dy - ty * dx)) / sf[i, SWEEP] if speed > 0.0 else 0.0
-        return min(max(s - step, lo), hi)
-    r = math.sqrt(dx * dx + dy * dy)
-    slope = speed * (1.0 - k * r)
-    if slope < 1e-6 * speed or speed == 0.0:
-        return s
-    return min(max(s - (dx * tx + dy * ty) / slope, lo), hi)
+    """Parameter in [lo, hi] of the point of site i nearest to (cx, cy); on a SPIRAL by Newton from s, kept in a bracket."""
+    kind = si[i, KIND]
+    dx = cx - sf[i, X0]
+    dy = cy - sf[i, Y0]
+    tx = sf[i, TX0]
+    ty = sf[i, TY0]
+    if kind == LINE:
+        return min(max((dx * tx + dy * ty) / sf[i, LEN], lo), hi)
+    if kind == FAN:
+        # the normal (-ty, tx) of the first side is turned by s SWEEP towards the centre
+        return min(max(math.atan2(-ty * dy - tx * dx, -ty * dx + tx * dy) / sf[i, SWEEP], lo), hi)
+    if kind == ARC:
+        # direction from the arc's centre against that of its start, both times k: the start lies at -n
+        ux = sf[i, K0] * dx + ty
+        uy = sf[i, K0] * dy - tx
+        if ux * ux + uy * uy < CONCENTRIC * CONCENTRIC:
+            return 0.5 * (lo + hi)
+        turned = math.atan2(ty * uy + tx * ux, ty * ux - tx * uy) / sf[i, SWEEP]
+        period = abs(2.0 * math.pi / sf[i, SWEEP])
+        if turned < 0.5 - 0.5 * period:
+            turned += period
+        return min(max(turned, lo), hi)
+    a = lo
+    b = hi
+    s = min(max(s, lo), hi)
+    for _ in range(FOOT_STEPS):
+        x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, i, s, cx, cy)
+        g = x * x1 + y * y1
+        if g > 0.0:
+            b = s
+        else:
+            a = s
+        slope = x1 * x1 + y1 * y1 + x * x2 + y * y2
+        new = s - g / slope if slope > 0.0 else 0.5 * (a + b)
+        if not a < new < b:
+            new = 0.5 * (a + b)
+        if abs(new - s) <= 1e-16 or not a < new < b:
+            break
+        s = new
+    return s
 
 
 @jit
 def _polish(si, sf, cp, site, s, lo, hi, disc, d):
-    """Newton for the disc with three given contacts: c - q_m along m_m, m_m . dc - dr = r - |c - q_m|; contacts follow."""
-    for _ in range(2):
-        cx = disc[d, 0]
-        cy = disc[d, 1]
-        r = disc[d, 2]
-        q0x, q0y, tx, ty, k, speed = evaluate(si, sf, cp, site[0], s[0], cx, cy)
-        q1x, q1y, tx, ty, k, speed = evaluate(si, sf, cp, site[1], s[1], cx, cy)
-        q2x, q2y, tx, ty, k, speed = evaluate(si, sf, cp, site[2], s[2], cx, cy)
+    """Newton for the disc that touches three given parts: m_m . dc - dr = r - |c - q_m|, q_m the feet of c, m_m towards c.
+
+    Kept if it brings the disc nearer to touching all three.
+    """
+    best = math.inf
+    cx = disc[d, 0]
+    cy = disc[d, 1]
+    f0 = s[0]
+    f1 = s[1]
+    f2 = s[2]
+    for step in range(POLISH_STEPS):
+        if step > 0:
+            f0 = _foot(si, sf, cp, site[0], f0, lo[0], hi[0], cx, cy)
+            f1 = _foot(si, sf, cp, site[1], f1, lo[1], hi[1], cx, cy)
+            f2 = _foot(si, sf, cp, site[2], f2, lo[2], hi[2], cx, cy)
+        q0x, q0y, tx, ty, k, speed = evaluate(si, sf, cp, site[0], f0, cx, cy)
+        q1x, q1y, tx, ty, k, speed = evaluate(si, sf, cp, site[1], f1, cx, cy)
+        q2x, q2y, tx, ty, k, speed = evaluate(si, sf, cp, site[2], f2, cx, cy)
         d0 = math.sqrt(q0x * q0x + q0y * q0y)
         d1 = math.sqrt(q1x * q1x + q1y * q1y)
         d2 = math.sqrt(q2x * q2x + q2y * q2y)
         if d0 == 0.0 or d1 == 0.0 or d2 == 0.0:
             return
+        if step > 0:
+            miss = max(d0, d1, d2) - min(d0, d1, d2)
+            if not miss < 0.5 * best:
+                return
+            best = miss
+            disc[d, 0] = cx
+            disc[d, 1] = cy
+            disc[d, 2] = (d0 + d1 + d2) / 3.0
+            s[0] = f0
+            s[1] = f1
+            s[2] = f2
         ax = q1x / d1 - q0x / d0
         ay = q1y / d1 - q0y / d0
         bx = q2x / d2 - q0x / d0
         by = q2y / d2 - q0y / d0
         det = ax * by - ay * bx
+        if step == 0:
+            # the feet may be far off on parts that are nearly concentric with the disc: then they are found first
+            continue
         if abs(det) < PARALLEL:
             return
         e = d1 - d0
         f = d2 - d0
         mx = (e * by - f * ay) / det
         my = (ax * f - bx * e) / det
-        if math.sqrt(mx * mx + my * my) > 1e-7 * r:
+        if math.sqrt(mx * mx + my * my) > 1e-7 * d0:
             return
-        disc[d, 0] = cx + mx
-        disc[d, 1] = cy + my
-        disc[d, 2] = d0 - (q0x * mx + q0y * my) / d0
-        for m in range(3):
-            s[m] = _foot(si, sf, cp, site[m], s[m], lo[m], hi[m], disc[d, 0], disc[d, 1])
+        cx += mx
+        cy += my
 
 
 @jit
@@ -239,6 +355,7 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
             tri_hi[m] = w_f[arc_m, 1]
         tri_lo[0] = lo
         tri_hi[0] = hi
+        _root_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, tri_s)
         _polish(si, sf, cp, tri_site, tri_s, tri_lo, tri_hi, disc, d)
         contacts_i[n_contacts] = 0
         contacts_s[n_contacts] = tri_s[0]

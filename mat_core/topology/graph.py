@@ -62,7 +62,11 @@ def _contact_at(si, contact_start, contact_site, contact_s, d, site, s):
 @jit
 def contract(si, disc, kind, strip_i, strip_s, contact_start, contact_site, contact_s, tolerance, parent, strip_alive,
              contact_parent, contact_alive):
-    """Step 1: unite the ends of strips of no length; of each pair of contacts that fall together one dies."""
+    """Step 1: unite the ends of strips of no length; of each pair of contacts that fall together one dies.
+
+    A strip of no length can still have sides (where a footpoint runs along a circle about the disc's own centre): strips that
+    ended at the dead contact then end at the living one, so that all of the boundary stays owned.
+    """
     for d in range(disc.shape[0]):
         parent[d] = d
     for c in range(contact_site.shape[0]):
@@ -90,6 +94,19 @@ def contract(si, disc, kind, strip_i, strip_s, contact_start, contact_site, cont
                 lose = a if keep == b else b
                 contact_parent[lose] = keep
                 contact_alive[lose] = False
+    for n in range(strip_i.shape[0]):
+        if strip_alive[n]:
+            for corner in range(4):
+                side = corner // 2
+                site = strip_i[n, side]
+                c = _contact_at(si, contact_start, contact_site, contact_s, strip_i[n, 2 + corner % 2], site, strip_s[n, corner])
+                kept = find(contact_parent, c) if c >= 0 else c
+                if kept == c:
+                    continue
+                if contact_site[kept] == site:
+                    strip_s[n, corner] = contact_s[kept]
+                elif contact_site[kept] == si[site, NEXT] and contact_s[kept] == 0.0:
+                    strip_s[n, corner] = 1.0
     for d in range(disc.shape[0]):
         parent[d] = find(parent, d)
 
