@@ -44,6 +44,7 @@ from mat_core.kernels.layout import (
 )
 
 NEWTON_STEPS = 60
+CAP_STEPS = 48  # halvings of a piece until the turn of D is clear
 CONCENTRIC = 1e-14  # a disc this near to an arc's centre, relative to its radius, touches it anywhere
 CANCELLED = 0.1  # below this share left over, a difference has lost a digit
 
@@ -166,18 +167,41 @@ def _turned(ax, ay, bx, by):
 
 
 @jit
-def _fallen(ax, ay, tax, tay, dx, dy, tx, ty):
-    """How much psi has changed between two points of a piece that turns by less than half a turn, whole turns counted.
+def _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, b, bx, by, tbx, tby):
+    """How much psi changes from a to b on a piece that turns by less than half a turn, whole turns counted.
 
-    angle(T') = 2 angle(D) - angle(T) + pi, and psi falls as T' turns left: change = turn of T - 2 (turn of D). Seen from inside
-    its cap a piece can span more than half a turn; the sense in which D turns tells.
+    angle(T') = 2 angle(D) - angle(T) + pi, and psi falls as T' turns left: change = turn of T - 2 (turn of D). That of D is less
+    than half a turn unless p lies inside the cap between the piece and its chord. It may do so where D turns the other way than
+    it sets out and arrives: then halves are looked at, of which one is clear, until all are.
     """
-    seen = _turned(ax, ay, dx, dy)
-    first = ax * tay - ay * tax
-    last = dx * ty - dy * tx
-    if first * last > 0.0 and seen * first < 0.0 and abs(seen) > 0.5 * math.pi:
-        seen += 2.0 * math.pi if first > 0.0 else -2.0 * math.pi
-    return _turned(tax, tay, tx, ty) - 2.0 * seen
+    total = _turned(tax, tay, tbx, tby)
+    for _ in range(CAP_STEPS):
+        seen = _turned(ax, ay, bx, by)
+        sense = ax * tay - ay * tax
+        if sense * (bx * tby - by * tbx) <= 0.0 or seen * sense >= 0.0:
+            break
+        m = 0.5 * (a + b)
+        x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, m, ox, oy)
+        x -= dpx
+        y -= dpy
+        if not a < m < b or x == 0.0 and y == 0.0:
+            break
+        first = _turned(ax, ay, x, y)
+        if sense * (x * ty - y * tx) <= 0.0 or first * sense >= 0.0:
+            total -= 2.0 * first
+            a = m
+            ax = x
+            ay = y
+            tax = tx
+            tay = ty
+        else:
+            total -= 2.0 * _turned(x, y, bx, by)
+            b = m
+            bx = x
+            by = y
+            tbx = tx
+            tby = ty
+    return total - 2.0 * _turned(ax, ay, bx, by)
 
 
 @jit
@@ -209,7 +233,7 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
         return best, s_best
 
     # 1. a bracket [a, b] in which psi falls through a multiple of a full turn, `goal`, where W < 0; psi counted from lo on
-    pb = pa + _fallen(ax, ay, tax, tay, bx, by, tx, ty)
+    pb = pa + _fallen(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, hi, bx, by, tx, ty)
     turn = 2.0 * math.pi
     if wa < 0.0:  # psi falls from pa, perhaps rises again later
         goal = 0.0 if pa > 0.0 else -turn
@@ -233,19 +257,22 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
         dx = x - dpx
         dy = y - dpy
         dd = dx * dx + dy * dy
-        value = pa + _fallen(ax, ay, tax, tay, dx, dy, tx, ty) - goal
+        value = above + _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, m, dx, dy, tx, ty)
         if found or (value <= 0.0 if wa < 0.0 else value > 0.0):
             found = True
-            if value > 0.0:
-                a = m
-                above = value
-            else:
-                b = m
-                below = value
-        elif (k * dd + 2.0 * (dy * tx - dx * ty) < 0.0) == (wa < 0.0):
+            forward = value > 0.0
+        else:
+            forward = (k * dd + 2.0 * (dy * tx - dx * ty) < 0.0) == (wa < 0.0)
+        if forward:
             a = m
+            above = value
+            ax = dx
+            ay = dy
+            tax = tx
+            tay = ty
         else:
             b = m
+            below = value
     if not found:
         return best, s_best
 
