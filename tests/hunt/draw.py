@@ -17,6 +17,7 @@ import numpy as np
 from tests import families as F
 from tests.families import Edge, Json, Point
 from tests.hunt import noise
+from tests.hunt.reduce import joined
 from tests.transforms import bezier_pieces, insert_knot
 
 Rng = np.random.Generator
@@ -51,12 +52,6 @@ def closed_spline(points: F.Floats, degree: int) -> Edge:
         "control_points": inner,
         "knots": [0.0] * (degree + 1) + [float(i) for i in range(1, n)] + [float(n)] * (degree + 1),
     }
-
-
-def joined(edges: list[Edge]) -> list[Edge]:
-    """Each edge begins where the one before ends, to the last bit."""
-    ends = [e["control_points"][-1] for e in edges]
-    return [{**e, "control_points": [a, *e["control_points"][1:]]} for e, a in zip(edges, [ends[-1], *ends[:-1]], strict=True)]
 
 
 def smooth(seed: int, rng: Rng) -> Json:

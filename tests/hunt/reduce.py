@@ -12,7 +12,7 @@ from collections.abc import Callable, Generator, Iterator
 from itertools import pairwise
 from typing import Any
 
-from tests.transforms import bezier_pieces, each_edge
+from tests.transforms import bezier_pieces, each_edge, each_loop
 
 Json = dict[str, Any]
 Edge = dict[str, Any]
@@ -38,6 +38,7 @@ def reduced(domain: Json, fails: Callable[[Json], bool], tries: int = 2000) -> J
 def steps(domain: Json) -> Steps:
     """Yield candidates, take True for those that still fail, return the last of these."""
     best = {"outer": domain["outer"], "holes": list(domain.get("holes", []))}
+    best = yield from _first_that_fails(best, iter([each_loop(best, joined)]))
     while True:
         before = best
         best = yield from _fewer_holes(best)
@@ -61,6 +62,13 @@ def _first_that_fails(best: Json, candidates: Iterator[Json]) -> Steps:
         if candidate != best and (yield candidate):
             return candidate
     return best
+
+
+def joined(loop: list[Edge]) -> list[Edge]:
+    """Each edge begins where the one before ends, to the last bit, so that later passes can move both alike."""
+    ends = [e["control_points"][-1] for e in loop]
+    before = [ends[-1], *ends[:-1]]
+    return [{**e, "control_points": [list(a), *e["control_points"][1:]]} for e, a in zip(loop, before, strict=True)]
 
 
 # Holes and edges -----------------------------------------------------------------------------------------------------
