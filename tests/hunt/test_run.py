@@ -37,7 +37,7 @@ def planted(domain: Json) -> tuple[Outcome, Json | None]:
 
 
 def hunted(folder: Path, named: list[Named], resume: bool = False, solver: Solver = planted) -> dict[str, Outcome]:
-    journal, team = Journal(folder / "journal.jsonl", resume), Team(2, 1.0, solver)
+    journal, team = Journal(folder / "journal.jsonl", resume), Team(2, 2.0, solver)
     try:
         Hunt(team, journal, folder).run(named, report.Progress(out=io.StringIO()))
     finally:
