@@ -16,6 +16,12 @@ from tests.hunt.run import Hunt, Named, placed
 from tests.hunt.team import Team
 
 
+def pair(text: str) -> tuple[float, float]:
+    """Two numbers with a comma between them."""
+    x, y = text.split(",")
+    return float(x), float(y)
+
+
 def arguments(given: list[str] | None = None) -> argparse.Namespace:
     """What was asked for."""
     p = argparse.ArgumentParser(prog="python -m tests.hunt", description="Look for domains that are not solved.")
@@ -30,7 +36,7 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     p.add_argument("--workers", type=int, default=2, help="processes (2)")
     p.add_argument("--limit", type=float, default=20.0, help="seconds per domain (20)")
     p.add_argument("--scale", type=float, default=1.0, help="factor on all coordinates")
-    p.add_argument("--shift", type=float, nargs=2, default=(0.0, 0.0), metavar=("DX", "DY"), help="then moved by")
+    p.add_argument("--shift", type=pair, default=(0.0, 0.0), metavar="DX,DY", help="then moved by; --shift=-1e6,0 if negative")
     p.add_argument("--reduce", type=int, default=3, metavar="N", help="failures reduced per family and kind (3)")
     p.add_argument("--reduce-seconds", type=float, default=60.0, metavar="S", help="longest time for one of them (60)")
     p.add_argument("--resume", action="store_true", help="go on with the journal")
@@ -55,7 +61,7 @@ def domains(a: argparse.Namespace, families: list[str]) -> Iterator[Named]:
     glyphs = (g for file in outlines.files(a.fonts, outlines.FONT_FILES) for g in outlines.glyphs(file, a.count, a.seed))
     icons = (i for folder in a.icons for i in outlines.icons(folder, a.count, a.seed))
     lines = (d for file in outlines.files(a.lines, ()) for d in outlines.lines(file))
-    return placed(chain(generated, glyphs, icons, lines), a.scale, tuple(a.shift))
+    return placed(chain(generated, glyphs, icons, lines), a.scale, a.shift)
 
 
 def main(given: list[str] | None = None) -> int:

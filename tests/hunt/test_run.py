@@ -114,6 +114,7 @@ def test_families_are_chosen_by_pattern() -> None:
     assert chosen(arguments(["--lines", "x"])) == []
     with pytest.raises(SystemExit):
         chosen(arguments(["--only", "nothing"]))
+    assert arguments(["--shift=-1e6,2"]).shift == (-1e6, 2.0)
     a = arguments(["--only", "star", "--seed", "7", "--count", "2"])
     assert list(domains(a, chosen(a))) == [("star/7", draw("star", 7)), ("star/8", draw("star", 8))]
 
