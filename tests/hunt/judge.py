@@ -131,8 +131,8 @@ def failure_kind(error: Exception) -> str:
 
 
 def _name(text: str) -> str:
-    """The beginning of a message, without its figures."""
-    return re.sub(r"[-+]?\d[\d.e+-]*", "#", text.split(":")[0])[:60].strip()
+    """The beginning of a message, without figures and places."""
+    return re.sub(r"[-+]?\d[\d.e+-]*", "#", text.split(":")[0].split(" at [")[0])[:60].strip()
 
 
 def _forget_peak() -> None:

@@ -90,7 +90,9 @@ def contours(recorded: list[tuple[str, tuple[Any, ...]]]) -> list[Loop]:
                 draw([end])
         elif name in ("closePath", "endPath"):
             if loop and 0 < math.dist(here, start) < GAP:
-                loop[-1]["control_points"][-1], here = list(start), start
+                points = loop[-1]["control_points"]  # a handle of no length stays one
+                points[1:] = [list(start) if tuple(p) == here else p for p in points[1:]]
+                here = start
             draw([start])
             if loop:
                 loops.append(loop)

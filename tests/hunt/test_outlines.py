@@ -144,3 +144,11 @@ def test_lines_of_domains(tmp_path: Path) -> None:
     file = tmp_path / "some.jsonl"
     file.write_text(json.dumps({"name": "one", "outer": [], "holes": []}) + "\n\n" + json.dumps({"outer": []}) + "\n")
     assert [name for name, _ in lines(file)] == ["lines_some/one", "lines_some/3"]
+
+
+def test_contours_close_in_spite_of_rounding() -> None:
+    end = (2e-5, 0.0)
+    curve, side = ("curveTo", ((5.0, 9.0), end, end)), ("lineTo", ((5.0, 0.0),))
+    ring = contours([("moveTo", ((0.0, 0.0),)), side, curve, ("closePath", ())])
+    assert [e["degree"] for e in ring[0]] == [1, 3]
+    assert ring[0][1]["control_points"][2:] == [[0.0, 0.0], [0.0, 0.0]]
