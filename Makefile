@@ -5,7 +5,7 @@ PORT ?= 8000
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help run test lint types imports openapi lock bench clean dev
+.PHONY: help run test hunt lint types imports openapi lock bench clean dev
 
 help: ## what can be made
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 18
@@ -20,6 +20,9 @@ dev:
 test: dev ## all tests, on all cores
 	@$(BIN)/python -W ignore::RuntimeWarning:runpy -m mat_core.warm
 	@$(BIN)/python -m pytest -n auto --dist worksteal
+
+hunt: dev ## look for domains that are not solved: ARGS="--count 500 --fonts FOLDER"
+	@$(BIN)/python -W ignore::RuntimeWarning -m tests.hunt $(ARGS)
 
 lint: dev ## style
 	@$(BIN)/ruff check .
