@@ -29,6 +29,8 @@ PF_WIDTH = 13
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
 SHORT = 256.0  # roundings: a piece shorter than this has no direction of its own
+TRIM = 2e-12  # a bend at an end of an edge that is shorter than this is cut off: it has no direction of its own
+HAIRPIN = 0.1  # radians; what turns by less is no such bend
 SCRATCH_ROWS = 24
 _X, _Y, _W, _X1, _Y1, _W1, _X2, _Y2, _W2, _X3, _Y3, _W3 = range(12)
 _T0, _T1, _DET, _DETD, _A, _B, _AD, _BD, _Q, _S, _N = range(12, 23)
@@ -290,6 +292,44 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
 
 
 @jit
+def _distance_from(cp, c0, deg, rational, end, s):
+    """Distance of the point at s from the first (end = 0) or last (end = 1) control point."""
+    p = c0 + deg * end
+    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[p, 0], cp[p, 1])
+    return math.sqrt(x * x + y * y)
+
+
+@jit
+def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
+    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off.
+
+    Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once.
+    """
+    tip = -1
+    for step in range(n_roots):
+        i = step if end == 0 else n_roots - 1 - step
+        if _distance_from(cp, c0, deg, rational, end, roots[i]) >= TRIM:
+            break
+        tip = i
+    if tip < 0:
+        return float(end)
+    near = roots[tip]
+    far = 1.0 - end
+    if end == 0 and tip + 1 < n_roots:
+        far = roots[tip + 1]
+    elif end == 1 and tip > 0:
+        far = roots[tip - 1]
+    for _ in range(60):
+        m = 0.5 * (near + far)
+        if _distance_from(cp, c0, deg, rational, end, m) < 2.0 * TRIM:
+            near = m
+        else:
+            far = m
+    turning = total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end)))
+    return far if turning > HAIRPIN else float(end)
+
+
+@jit
 def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
                 bounds, roots):
     """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_u`: ua, ub) into pieces, in loop order.
@@ -320,12 +360,16 @@ def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
             for i in range(deg):
                 length += abs(cp[c0 + i + 1, 0] - cp[c0 + i, 0]) + abs(cp[c0 + i + 1, 1] - cp[c0 + i, 1])
             gap = max(ROOT_GAP, SHORT * rounding / length)
-            begin = 0.0
+            begin = _trimmed(cp, c0, deg, rational, 0, roots, n_roots)
+            last = _trimmed(cp, c0, deg, rational, 1, roots, n_roots)
+            if not begin < last:
+                begin = 0.0
+                last = 1.0
             for cut in range(n_roots + 1):
-                stop = 1.0
+                stop = last
                 if cut < n_roots:
                     stop = roots[cut]
-                    if stop - begin < gap or 1.0 - stop < gap:
+                    if stop - begin < gap or last - stop < gap:
                         continue
                 while begin < stop:
                     end = stop
