@@ -29,19 +29,21 @@ from mat_core.certificate.inputs import Discs, Floats, Ints
 from mat_core.certificate.report import Report
 from mat_core.kernels.jit import jit
 from mat_core.kernels.judge import balls
-from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, FAN, KIND, NEXT, PREV, TX0, TX1, TY0, TY1
+from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, FAN, KIND, LEN, NEXT, PREV, SWEEP, TX0, TX1, TY0, TY1
 from mat_core.kernels.rows import frames_at
 
 SAMPLES = (0.44, 0.59)  # where in a strip, on its right and on its left side, discs are found anew
 SAME_DISC = 1e-9  # a strip between discs nearer than this has no inside to look at
+NO_SIDE = 1e-11  # nor is there anything to start from on a side shorter than this, unless both are
 
 
 class Found(NamedTuple):
-    """Discs found anew, first all from right sides, then all from left sides.
+    """Discs found anew, first `right` from right sides, then those from left sides.
 
     strip; disc (n, 3); on the other side the site, s, and the foot's frame x, y, tx, ty.
     """
 
+    right: int
     strip: Ints
     disc: Floats
     other: Ints
@@ -99,34 +101,37 @@ def check_touching(t: SiteTable, skeleton: Discs, owned: Owned, turn: Floats, re
 
 
 def find_anew(t: SiteTable, skeleton: Discs) -> Found:
-    """One disc from either side of every strip that has an inside."""
+    """One disc from either side of every strip that has an inside, as far as the side has a length."""
     disc, strip_i, strip_s = skeleton.disc, skeleton.strip_i, skeleton.strip_s
     d0 = disc[strip_i[:, 2]]
     d1 = disc[strip_i[:, 3]]
     far = np.abs(d1 - d0).max(axis=1) > SAME_DISC
     long = (strip_s[:, 1] - strip_s[:, 0] > 0.5) | (strip_s[:, 2] - strip_s[:, 3] > 0.5)
-    rows = np.flatnonzero(far | long)
-    n = len(rows)
-    i = strip_i[rows]
+    radius = 0.5 * (d0[:, 2] + d1[:, 2])
+    side = np.empty((len(strip_i), 2))
+    for m in range(2):
+        i = strip_i[:, m]
+        width = np.where(t.si[i, KIND] == FAN, np.abs(t.sf[i, SWEEP]) * radius, t.sf[i, LEN])
+        side[:, m] = width * np.abs(strip_s[:, 2 * m + 1] - strip_s[:, 2 * m])
+    has_side = (side > NO_SIDE) | (side.max(axis=1) <= NO_SIDE)[:, None]
+    from_right = np.flatnonzero((far | long) & has_side[:, 0])
+    from_left = np.flatnonzero((far | long) & has_side[:, 1])
+    right = len(from_right)
+    rows = np.concatenate((from_right, from_left))
     a0, a1, b1, b0 = strip_s[rows].T
-    site = np.concatenate((i[:, 0], i[:, 1]))
-    other = np.concatenate((i[:, 1], i[:, 0]))
-    s = np.concatenate((a0 + SAMPLES[0] * (a1 - a0), b0 + SAMPLES[1] * (b1 - b0)))
-    interval = np.empty((2 * n, 3))
-    interval[:n, 0] = b0
-    interval[:n, 1] = b1
-    interval[n:, 0] = a0
-    interval[n:, 1] = a1
-    radius = 0.5 * (d0[rows, 2] + d1[rows, 2])
-    interval[:n, 2] = interval[n:, 2] = radius
-    frame = np.empty((2 * n, 4))
+    on_right = np.arange(len(rows)) < right
+    site = np.where(on_right, strip_i[rows, 0], strip_i[rows, 1])
+    other = np.where(on_right, strip_i[rows, 1], strip_i[rows, 0])
+    s = np.where(on_right, a0 + SAMPLES[0] * (a1 - a0), b0 + SAMPLES[1] * (b1 - b0))
+    interval = np.where(on_right, (b0, b1, radius[rows]), (a0, a1, radius[rows])).T.copy()
+    frame = np.empty((len(rows), 4))
     frames_at(t.si, t.sf, t.cp, site, s, frame)
-    found = np.empty((2 * n, 3))
-    partner = np.empty((2 * n, 4))
+    found = np.empty((len(rows), 3))
+    partner = np.empty((len(rows), 4))
     balls(t.si, t.sf, t.cp, frame, other, interval, found, s, partner)
     lost = ~(found[:, 2] < np.inf)
     found[lost, :2] = frame[lost, :2]
-    return Found(np.concatenate((rows, rows)), found, other, s, partner)
+    return Found(right, rows, found, other, s, partner)
 
 
 def check_discs(disc: Floats, depth: Floats, slack: Floats, report: Report) -> None:
@@ -140,6 +145,5 @@ def check_partners(t: SiteTable, found: Found, depth: Floats, strip_slack: Float
     off = np.empty(len(figure))
     missed(t.si, t.sf, found.other, found.s, found.partner, np.arange(len(figure)), found.disc, off)
     figure = np.maximum(figure, np.where(np.isfinite(off), off, np.inf))
-    half = len(figure) // 2
-    report.worst("partners_right", figure[:half], found.disc[:half])
-    report.worst("partners_left", figure[half:], found.disc[half:])
+    report.worst("partners_right", figure[: found.right], found.disc[: found.right])
+    report.worst("partners_left", figure[found.right :], found.disc[found.right :])
