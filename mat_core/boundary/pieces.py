@@ -16,21 +16,25 @@ import math
 
 from mat_core.boundary.joints import end_frame
 from mat_core.kernels.bernstein import add_product, clear_row, restrict_row, scale_row, sign_changes
+from mat_core.kernels.bezier import balance, restrict
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
 
 # columns of the tables of pieces
 P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN = range(6)
-P_UA, P_UB, P_X, P_Y, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(8)  # P_X, P_Y: start; P_FRAME: tx, ty, k at both ends
+P_UA, P_UB, P_SKEW, P_X, P_Y, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(9)
+# P_SKEW: as `layout.SKEW`; P_X, P_Y: start; P_FRAME: tx, ty, k at both ends
 PI_WIDTH = 6
-PF_WIDTH = 13
+PF_WIDTH = 14
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
 SHORT = 256.0  # roundings: a piece shorter than this has no direction of its own
 TRIM = 2e-12  # a bend at an end of an edge that is shorter than this is cut off: it has no direction of its own
 HAIRPIN = 0.1  # radians; what turns by less is no such bend
+UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
+SMALLEST_PART = 2.0**-40
 SCRATCH_ROWS = 24
 _X, _Y, _W, _X1, _Y1, _W1, _X2, _Y2, _W2, _X3, _Y3, _W3 = range(12)
 _T0, _T1, _DET, _DETD, _A, _B, _AD, _BD, _Q, _S, _N = range(12, 23)
@@ -330,11 +334,82 @@ def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
 
 
 @jit
+def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table, work,
+                bounds, roots):
+    """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small."""
+    kind = SPIRAL
+    k = cx = cy = 0.0
+    n_roots = 0
+    if is_straight(cp, c0, deg, rounding):
+        kind = LINE
+    else:
+        if rational == 1:
+            k, cx, cy = circle_of(cp, c0, deg, 8.0 * rounding, table)
+        if k != 0.0:
+            kind = ARC
+        else:
+            n_roots = curvature_changes(cp, c0, deg, rational, table, work, bounds, roots)
+    length = 0.0
+    for i in range(deg):
+        length += abs(cp[c0 + i + 1, 0] - cp[c0 + i, 0]) + abs(cp[c0 + i + 1, 1] - cp[c0 + i, 1])
+    gap = max(ROOT_GAP, SHORT * rounding / length)
+    begin = _trimmed(cp, c0, deg, rational, 0, roots, n_roots)
+    last = _trimmed(cp, c0, deg, rational, 1, roots, n_roots)
+    if not begin < last:
+        begin = 0.0
+        last = 1.0
+    for cut in range(n_roots + 1):
+        stop = last
+        if cut < n_roots:
+            stop = roots[cut]
+            if stop - begin < gap or last - stop < gap:
+                continue
+        while begin < stop:
+            end = stop
+            while kind != LINE and end - begin > 1e-9 and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
+                end = begin + 0.5 * (end - begin)
+            if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
+                return -1, cp_used
+            _place_part(cp, c0, deg, rational, begin, end, table, cp_used, pieces_f, count)
+            if kind == SPIRAL:
+                _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
+            pieces_i[count, P_KIND] = kind
+            pieces_i[count, P_DEG] = deg
+            pieces_i[count, P_CP0] = cp_used
+            pieces_i[count, P_RATIONAL] = rational
+            pieces_i[count, P_EDGE] = edge
+            pieces_i[count, P_SPAN] = span
+            before = skew * begin + (1.0 - begin)
+            after = skew * end + (1.0 - end)
+            pieces_f[count, P_UA] = ua + skew * begin / before * (ub - ua)
+            pieces_f[count, P_UB] = ub if end == 1.0 else ua + skew * end / after * (ub - ua)
+            pieces_f[count, P_SKEW] = before / after
+            pieces_f[count, P_CURVATURE] = k
+            pieces_f[count, P_CENTRE_X] = cx
+            pieces_f[count, P_CENTRE_Y] = cy
+            cp_used += deg + 1
+            count += 1
+            begin = end
+    return count, cp_used
+
+
+@jit
+def _is_uneven(cp, c0, deg):
+    """Whether the weights of a Bezier differ so much that the signs of k' drown in rounding."""
+    low = high = cp[c0, 2]
+    for i in range(1, deg + 1):
+        low = min(low, cp[c0 + i, 2])
+        high = max(high, cp[c0 + i, 2])
+    return high > UNEVEN * low
+
+
+@jit
 def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
                 bounds, roots):
-    """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_u`: ua, ub) into pieces, in loop order.
+    """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_u`: ua, ub, skew) into pieces, in loop order.
 
     New control points go behind row `cp_used` of `cp`, relative to the start of their piece; a piece ends where the next starts.
+    Beziers with very uneven weights are halved first, and balanced, until they are not.
     Returns (pieces, rows of cp); pieces = -1 if a buffer is too small.
     """
     count = 0
@@ -343,56 +418,37 @@ def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
         for b in range(bez_loop_start[loop], bez_loop_start[loop + 1]):
             deg = bez_i[b, 0]
             c0 = bez_i[b, 1]
-            rational = bez_i[b, 2]
-            kind = SPIRAL
-            k = cx = cy = 0.0
-            n_roots = 0
-            if is_straight(cp, c0, deg, rounding):
-                kind = LINE
-            else:
-                if rational == 1:
-                    k, cx, cy = circle_of(cp, c0, deg, 8.0 * rounding, table)
-                if k != 0.0:
-                    kind = ARC
-                else:
-                    n_roots = curvature_changes(cp, c0, deg, rational, table, work, bounds, roots)
-            length = 0.0
-            for i in range(deg):
-                length += abs(cp[c0 + i + 1, 0] - cp[c0 + i, 0]) + abs(cp[c0 + i + 1, 1] - cp[c0 + i, 1])
-            gap = max(ROOT_GAP, SHORT * rounding / length)
-            begin = _trimmed(cp, c0, deg, rational, 0, roots, n_roots)
-            last = _trimmed(cp, c0, deg, rational, 1, roots, n_roots)
-            if not begin < last:
-                begin = 0.0
-                last = 1.0
-            for cut in range(n_roots + 1):
-                stop = last
-                if cut < n_roots:
-                    stop = roots[cut]
-                    if stop - begin < gap or last - stop < gap:
-                        continue
-                while begin < stop:
-                    end = stop
-                    while kind != LINE and end - begin > 1e-9 and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
-                        end = begin + 0.5 * (end - begin)
-                    if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
+            ua = bez_u[b, 0]
+            ub = bez_u[b, 1]
+            skew = bez_u[b, 2]
+            begin = 0.0
+            u_begin = ua
+            step = 1.0
+            while begin < 1.0:
+                end = min(begin + step, 1.0)
+                part = c0
+                u_end = ub
+                part_skew = skew
+                if _is_uneven(cp, c0, deg):
+                    if cp_used + deg + 1 > cp.shape[0]:
                         return -1, cp_used
-                    _place_part(cp, c0, deg, rational, begin, end, table, cp_used, pieces_f, count)
-                    if kind == SPIRAL:
-                        _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
-                    pieces_i[count, P_KIND] = kind
-                    pieces_i[count, P_DEG] = deg
-                    pieces_i[count, P_CP0] = cp_used
-                    pieces_i[count, P_RATIONAL] = rational
-                    pieces_i[count, P_EDGE] = bez_i[b, 3]
-                    pieces_i[count, P_SPAN] = bez_i[b, 4]
-                    pieces_f[count, P_UA] = bez_u[b, 0] + begin * (bez_u[b, 1] - bez_u[b, 0])
-                    pieces_f[count, P_UB] = bez_u[b, 1] if end == 1.0 else bez_u[b, 0] + end * (bez_u[b, 1] - bez_u[b, 0])
-                    pieces_f[count, P_CURVATURE] = k
-                    pieces_f[count, P_CENTRE_X] = cx
-                    pieces_f[count, P_CENTRE_Y] = cy
+                    restrict(cp, c0, deg, begin, end, cp, cp_used)
+                    before = skew * begin + (1.0 - begin)
+                    after = skew * end + (1.0 - end)
+                    if end < 1.0:
+                        u_end = ua + skew * end / after * (ub - ua)
+                    part_skew = after / before * balance(cp, cp_used, deg)
+                    if step > SMALLEST_PART and _is_uneven(cp, cp_used, deg):
+                        step *= 0.5
+                        continue
+                    part = cp_used
                     cp_used += deg + 1
-                    count += 1
-                    begin = end
+                count, cp_used = _cut_bezier(cp, part, deg, bez_i[b, 2], bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew,
+                                             cp_used, count, pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
+                if count < 0:
+                    return -1, cp_used
+                begin = end
+                u_begin = u_end
+                step *= 2.0
         piece_loop_start[loop + 1] = count
     return count, cp_used

@@ -23,6 +23,7 @@ from mat_core.boundary.pieces import (
     P_FRAME,
     P_KIND,
     P_RATIONAL,
+    P_SKEW,
     P_SPAN,
     P_UA,
     P_UB,
@@ -35,7 +36,7 @@ from mat_core.boundary.pieces import (
     scratch_width,
 )
 from mat_core.kernels.bernstein import MAX_DEPTH
-from mat_core.kernels.bezier import decompose
+from mat_core.kernels.bezier import balance, decompose
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import (
     ARC,
@@ -56,6 +57,7 @@ from mat_core.kernels.layout import (
     RATIONAL,
     SF_WIDTH,
     SI_WIDTH,
+    SKEW,
     SMOOTH_JOINT,
     SPAN,
     SWEEP,
@@ -100,7 +102,7 @@ def _collect_beziers(
     degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding,
     span_cp, breaks, bez_i, bez_u, cp, bez_loop_start,
 ):
-    """Step 1: fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub), cp; returns (Beziers, rows of cp)."""
+    """Step 1: fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub, skew), cp; returns (Beziers, rows of cp)."""
     count = 0
     used = 0
     bez_loop_start[0] = 0
@@ -136,6 +138,7 @@ def _collect_beziers(
                 bez_i[count, 4] = span
                 bez_u[count, 0] = breaks[span + 1] if flip else breaks[span]
                 bez_u[count, 1] = breaks[span] if flip else breaks[span + 1]
+                bez_u[count, 2] = balance(cp, used, d)
                 count += 1
                 used += d + 1
         # ends that differ by rounding become one point
@@ -166,6 +169,7 @@ def _fill_piece(pieces_i, pieces_f, p, after, cp, site, loop, si, sf):
     si[site, CORNER] = SMOOTH_JOINT
     sf[site, UA] = pieces_f[p, P_UA]
     sf[site, UB] = pieces_f[p, P_UB]
+    sf[site, SKEW] = pieces_f[p, P_SKEW]
     x0 = sf[site, X0] = pieces_f[p, P_X]
     y0 = sf[site, Y0] = pieces_f[p, P_Y]
     x1 = sf[site, X1] = pieces_f[after, P_X]
@@ -237,6 +241,7 @@ def _fill_fan(site, before, after, turn, si, sf):
     sf[site, SWEEP] = turn
     sf[site, LEN] = 0.0
     sf[site, UA] = sf[site, UB] = sf[after, UA]
+    sf[site, SKEW] = 1.0
 
 
 @jit
@@ -327,7 +332,7 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     n_spans = int(spans.sum())
     cp = np.empty((int((spans * (a.degree + 1)).sum()), 3))
     bez_i = np.empty((n_spans, 5), dtype=np.int64)
-    bez_u = np.empty((n_spans, 2))
+    bez_u = np.empty((n_spans, 3))
     bez_loop_start = np.empty(len(a.loop_start), dtype=np.int64)
     span_cp = np.empty((most, 3))
     breaks = np.empty(int(np.max(np.diff(a.cp_start))) + 2)

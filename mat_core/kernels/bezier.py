@@ -23,6 +23,8 @@ from numpy.typing import NDArray
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import jit
 
+BALANCED = 0.25  # ratio of the last weight of a Bezier to the first down to which (and up to 1 / it) it is left alone
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -117,6 +119,24 @@ def restrict(cp: Floats, c0: int, degree: int, t0: float, t1: float, out: Floats
         for r in range(1, degree + 1):
             for i in range(degree - r + 1):
                 blend(out, o0 + i, o0 + i + 1, o0 + i, a)
+
+
+@jit
+def balance(rows: Floats, c0: int, degree: int) -> float:
+    """Let the last weight of a Bezier be its first again, where they differ much; returns the skew c.
+
+    Weights w_i c^i belong to the same curve with another parameter, t = c s / (c s + 1 - s). Where the last weight is far from
+    the first, nearly all of the curve would else lie at one end of the parameter.
+    """
+    ratio = rows[c0 + degree, 2] / rows[c0, 2]
+    if BALANCED <= ratio <= 1.0 / BALANCED:
+        return 1.0
+    skew = float(ratio ** (-1.0 / degree))
+    factor = 1.0
+    for i in range(1, degree + 1):
+        factor *= skew
+        rows[c0 + i, 2] *= factor
+    return skew
 
 
 def derivatives(

@@ -26,6 +26,7 @@ from mat_core.kernels.layout import (
     KIND,
     LINE,
     RATIONAL,
+    SKEW,
     SWEEP,
     TX0,
     TX1,
@@ -175,15 +176,16 @@ def edge_parameter(si, sf, cp, i, s):
     if s >= 1.0:
         return ub
     deg = si[i, DEG]
+    q = sf[i, SKEW]
     if kind != LINE and kind != ARC or (deg == 1 and si[i, RATIONAL] == 0):
-        return ua + s * (ub - ua)
+        return ua + s / (s + q * (1.0 - s)) * (ub - ua)
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, i, s, 0.0, 0.0)
     c0 = si[i, CP0]
     if deg == 1:
         w0 = cp[c0, 2]
         w1 = cp[c0 + 1, 2]
         v = s * w0 / (s * w0 + (1.0 - s) * w1)
-        return ua + v * (ub - ua)
+        return ua + v / (v + q * (1.0 - v)) * (ub - ua)
     lo = 0.0
     hi = 1.0
     v = s
@@ -201,4 +203,4 @@ def edge_parameter(si, sf, cp, i, s):
         if abs(new - v) <= 1e-16:
             break
         v = new
-    return ua + v * (ub - ua)
+    return ua + v / (v + q * (1.0 - v)) * (ub - ua)

@@ -14,9 +14,10 @@ KIND, DEG, CP0, RATIONAL, NEXT, PREV, V0, V1, LOOP, EDGE, SPAN, CORNER = range(1
 SI_WIDTH = 12
 
 # sf: floats of a site
-X0, Y0, X1, Y1, TX0, TY0, TX1, TY1, K0, K1, LEN, SWEEP, UA, UB, XMIN, YMIN, XMAX, YMAX = range(18)
-SF_WIDTH = 26
+X0, Y0, X1, Y1, TX0, TY0, TX1, TY1, K0, K1, LEN, SWEEP, UA, UB, SKEW, XMIN, YMIN, XMAX, YMAX = range(19)
+SF_WIDTH = 19
 
+# SKEW q: the input edge's parameter at s on the site's Bezier is UA + (UB - UA) s / (s + q (1 - s))
 # CORNER: the joint at the start of a site
 SMOOTH_JOINT, CONVEX_VERTEX = 0, 1
 

@@ -18,7 +18,8 @@ def spline_values(degree, knot_start, knots, cp_start, cp, axes, which, t, work,
     """Points of rational B-splines, spline which[n] at t[n] to out[n, :axes], by de Boor's homogeneous triangle.
 
     Rows of `cp` hold `axes` coordinates (not multiplied by it) and the weight. Assumes clamped, rising knots. `work`
-    is (d + 1, axes + 1).
+    is (d + 1, axes + 1). Coordinates are taken from the first control point on, so that weights of any size and a curve
+    far away cost no digits.
     """
     for n in range(which.shape[0]):
         g = which[n]
@@ -32,20 +33,23 @@ def spline_values(degree, knot_start, knots, cp_start, cp, axes, which, t, work,
                 span = middle
             else:
                 last = middle - 1
+        origin = cp_start[g] + span - first
         for i in range(d + 1):
-            row = cp_start[g] + span - first + i
+            row = origin + i
             w = cp[row, axes]
             for c in range(axes):
-                work[i, c] = w * cp[row, c]
+                work[i, c] = w * (cp[row, c] - cp[origin, c])
             work[i, axes] = w
         for level in range(1, d + 1):
             for i in range(d + 1 - level):
                 left = knots[span - d + level + i]
-                share = (t[n] - left) / (knots[span + 1 + i] - left)
+                right = knots[span + 1 + i]
+                before = (right - t[n]) / (right - left)
+                after = (t[n] - left) / (right - left)
                 for c in range(axes + 1):
-                    work[i, c] += share * (work[i + 1, c] - work[i, c])
+                    work[i, c] = before * work[i, c] + after * work[i + 1, c]
         for c in range(axes):
-            out[n, c] = work[0, c] / work[0, axes]
+            out[n, c] = cp[origin, c] + work[0, c] / work[0, axes]
 
 
 @jit
