@@ -1,7 +1,7 @@
-"""Where the boundary meets itself: every pair of gentle pieces decided by subdivision, near-linear over a box tree.
+"""Where the boundary meets itself: pairs of gentle pieces decided by subdivision.
 
     adjacent pieces      see `mat_core.kernels.joints`: whether they share more than their joint becomes some tasks
-    other pairs          a task: halve the longer piece, drop what is separated by more than `gap` along x, y, either
+    other pairs          those that `mat_core.kernels.nearby` finds close to each other are tasks: halve the longer piece, drop what is separated by more than `gap` along x, y, either
                          chord or its normal (control polygons bound the curves); both smaller than gap / 4 and still
                          not separated: they meet
 
@@ -33,7 +33,7 @@ from mat_core.kernels.joints import (
     plan,
     plan_joint,
 )
-from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, LOOP, span_of, split_range
+from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, span_of, split_range
 
 # Kinds of hits.
 MEET = 0  # within `gap` of each other
@@ -139,65 +139,6 @@ def compare_joints(
                 found += 1
     counts[0] = found
     counts[1] = planned
-
-
-@jit
-def compare_pairs(
-    pi: Ints,
-    pf: Floats,
-    pcp: Floats,
-    piece_start: Ints,
-    gap: float,
-    tree: Floats,
-    pairs: Ints,
-    work: Floats,
-    tasks: Floats,
-    planned: int,
-) -> int:
-    """Tasks for all pairs not adjacent whose control polygons are not separated; returns the number of tasks.
-
-    Walks the tree of boxes against itself (node v has the children 2v and 2v + 1, the root is 1, the leaves are the
-    pieces in loop order). Ends early when `tasks` is full: a number beyond its rows says that a larger one is needed.
-    """
-    leaves = tree.shape[0] // 2
-    top = 0
-    pairs[0, 0] = 1
-    pairs[0, 1] = 1
-    while top >= 0 and planned <= tasks.shape[0]:
-        v = pairs[top, 0]
-        w = pairs[top, 1]
-        top -= 1
-        near = True
-        for axis in range(2):
-            if tree[v, axis] > tree[w, axis + 2] + gap or tree[w, axis] > tree[v, axis + 2] + gap:
-                near = False
-        if not near or (v == w and v >= leaves):
-            continue
-        if v < leaves:
-            # Both nodes are on one level, v <= w; pushed so that pairs come out in loop order.
-            for k in range(3, -1, -1):
-                if k != 2 or v != w:
-                    top += 1
-                    pairs[top, 0] = 2 * v + (k >> 1)
-                    pairs[top, 1] = 2 * w + (k & 1)
-            continue
-        i = v - leaves
-        j = w - leaves
-        ahead = math.inf
-        behind = math.inf
-        loop = pi[i, LOOP]
-        if loop == pi[j, LOOP]:
-            first = piece_start[loop]
-            last = piece_start[loop + 1] - 1
-            if j == i + 1 or (i == first and j == last):
-                continue
-            ahead = pf[j, CUM] - pf[i, CUM] - pf[i, LEN]
-            behind = pf[last, CUM] + pf[last, LEN] - ahead - pf[i, LEN] - pf[j, LEN]
-        restrict(pcp, pi[i, CP0], pi[i, DEG], 0.0, 1.0, work, 0)
-        restrict(pcp, pi[j, CP0], pi[j, DEG], 0.0, 1.0, work, BLOCK)
-        if not separated(work, pi[i, DEG], pi[j, DEG], gap):
-            planned = plan(tasks, planned, i, 0.0, 1.0, j, 0.0, 1.0, ahead, behind)
-    return planned
 
 
 @jit

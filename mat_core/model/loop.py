@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.kernels import outline as columns
-from mat_core.kernels.intersect import compare_closely, compare_joints, compare_pairs
+from mat_core.kernels.intersect import compare_closely, compare_joints
+from mat_core.kernels.nearby import TREE_WIDTH, compare_pairs, fill_tree
 from mat_core.kernels.outline import cut_gently, farthest, sector_areas
 from mat_core.model.curve import RationalBSpline
 
@@ -21,6 +22,8 @@ CUSP_BRANCHES = (
 HIT_LIMIT = 256  # pairs of pieces reported; a scribble has millions
 TASKS_A_PIECE = 32  # pairs of pieces with interlocking hulls; sound domains have about one a piece
 TASK_LIMIT = 2_000_000  # of them in all
+CELL_BITS = 20
+CELLS = 1 << CELL_BITS  # of the Z-curve, along each axis of the unit square
 SUBDIVISIONS = (
     5_000_000  # of one whole check, some seconds; a tight but clean domain of 10,000 edges needs a few thousand
 )
@@ -85,7 +88,8 @@ class Outline(NamedTuple):
 
         Rows piece, t, piece, t, kind (`mat_core.kernels.intersect`); at most HIT_LIMIT of them.
         """
-        tree = box_tree(self.pf[:, columns.XMIN : columns.YMAX + 1])
+        order = neighbours_first(self)
+        tree = box_tree(self, order)
         pairs = np.empty((256, 2), dtype=np.int64)
         hits = np.empty((HIT_LIMIT, 5))
         counts = np.zeros(2, dtype=np.int64)
@@ -98,7 +102,7 @@ class Outline(NamedTuple):
             compare_joints(self.pi, self.pf, self.cp, self.piece_start, gap, self.work, tasks, hits, counts)
             found, planned = counts.tolist()
             planned = compare_pairs(
-                self.pi, self.pf, self.cp, self.piece_start, gap, tree, pairs, self.work, tasks, planned
+                self.pi, self.pf, self.cp, self.piece_start, gap, order, tree, pairs, self.work, tasks, planned
             )
             if planned <= capacity or capacity >= limit:
                 break
@@ -128,21 +132,31 @@ class Outline(NamedTuple):
         return bounds[0], bounds[1], bounds[2], bounds[3]
 
 
-def box_tree(boxes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Boxes xmin, ymin, xmax, ymax of a complete binary tree over the rows given: root 1, children 2v and 2v + 1.
+def neighbours_first(outline: Outline) -> NDArray[np.int64]:
+    """The pieces (n,) in an order in which neighbours stand near each other: loop by loop, the loops along a Z-curve.
 
-    Leaf i is row `leaves + i`; an empty node has xmin = inf.
+    A loop's own pieces are in such an order already; its place in the document says nothing.
     """
-    leaves = 1 << max(0, len(boxes) - 1).bit_length()
-    tree = np.empty((2 * leaves, 4))
-    tree[leaves:, :2] = math.inf
-    tree[leaves:, 2:] = -math.inf
-    tree[leaves : leaves + len(boxes)] = boxes
-    while leaves > 1:
-        pairs = tree[leaves : 2 * leaves].reshape(-1, 2, 4)
-        leaves //= 2
-        np.minimum(pairs[:, 0, :2], pairs[:, 1, :2], out=tree[leaves : 2 * leaves, :2])
-        np.maximum(pairs[:, 0, 2:], pairs[:, 1, 2:], out=tree[leaves : 2 * leaves, 2:])
+    used = np.flatnonzero(np.diff(outline.piece_start) > 0)
+    first = outline.piece_start[used]
+    if len(used) < 3:
+        return np.arange(len(outline.pi))
+    low = np.minimum.reduceat(outline.pf[:, columns.XMIN : columns.XMAX], first, axis=0)
+    high = np.maximum.reduceat(outline.pf[:, columns.XMAX : columns.YMAX + 1], first, axis=0)
+    cells = ((0.5 * (low + high) + 0.5) * (CELLS - 1)).astype(np.int64)
+    code = np.zeros(len(used), dtype=np.int64)
+    for bit in range(CELL_BITS):
+        code |= ((cells[:, 0] >> bit & 1) << 2 * bit) | ((cells[:, 1] >> bit & 1) << 2 * bit + 1)
+    rank = np.empty(len(used), dtype=np.int64)
+    rank[np.argsort(code, kind="stable")] = np.arange(len(used))
+    return np.argsort(np.repeat(rank, np.diff(outline.piece_start)[used]), kind="stable")
+
+
+def box_tree(outline: Outline, order: NDArray[np.int64]) -> NDArray[np.float64]:
+    """The tree of `mat_core.kernels.nearby` over the pieces in this order."""
+    leaves = 1 << max(0, len(order) - 1).bit_length()
+    tree = np.empty((2 * leaves, TREE_WIDTH))
+    fill_tree(outline.pi, outline.cp, order, tree)
     return tree
 
 
