@@ -1,9 +1,9 @@
 """Where the boundary meets itself: pairs of gentle pieces decided by subdivision.
 
     adjacent pieces      see `mat_core.kernels.joints`: whether they share more than their joint becomes some tasks
-    other pairs          those that `mat_core.kernels.nearby` finds close to each other are tasks: halve the longer piece, drop what is separated by more than `gap` along x, y, either
-                         chord or its normal (control polygons bound the curves); both smaller than gap / 4 and still
-                         not separated: they meet
+    other pairs          a task where `mat_core.kernels.nearby` finds them close: halve the longer piece, drop what is
+                         separated by more than `gap` along x, y, either chord or its normal (control polygons bound
+                         the curves); both smaller than gap / 4 and still not separated: they meet
 
 Points of one loop joined by a boundary path of a few gaps are near each other by rights; so are, up to `cusp_path`, the
 branches of a cusp (they run against each other, 2 x**1.5 apart at distance x from the tip).

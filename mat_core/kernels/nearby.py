@@ -6,7 +6,9 @@
     |/  / /  |                    direction that most of its pieces run in, a box is as thin as what it holds.
     +--------+
 
-Node v has the children 2v and 2v + 1, the root is 1; leaf k holds piece order[k] in row `leaves + k`. Rows of `tree`:
+The leaves are parts of pieces: where bent pieces lie within each other, like the turns of a spiral of arcs, whole ones
+would all be near each other, short parts are flat and are not. Node v has the children 2v and 2v + 1, the root is 1;
+leaf k, piece[k] over [part[k, 0], part[k, 1]], is row `leaves + k`. Rows of `tree`:
 
     XMIN, YMIN, XMAX, YMAX     upright box; XMIN = inf where there is nothing
     DX, DY                     direction of the other box
@@ -33,7 +35,7 @@ SLACK = 1e-14  # normalised: rounding of a turned box, far below every gap
 
 @jit
 def fill_leaf(tree: Floats, v: int, pcp: Floats, c0: int, p: int) -> None:
-    """Both boxes of one piece, turned along its chord; DX, DY hold that direction, its angle doubled, times the length."""
+    """Both boxes of one part, turned along its chord; DX, DY hold that direction, its angle doubled, times the length."""
     ox = pcp[c0, 0]
     oy = pcp[c0, 1]
     dx = pcp[c0 + p, 0] - ox
@@ -117,23 +119,25 @@ def enclose_children(tree: Floats, v: int) -> None:
 
 
 @jit
-def fill_tree(pi: Ints, pcp: Floats, order: Ints, tree: Floats) -> None:
-    """Fill all rows of `tree` (twice a power of two that is at least n, TREE_WIDTH) for the n pieces in this order."""
+def fill_tree(pi: Ints, pcp: Floats, piece: Ints, part: Floats, work: Floats, tree: Floats) -> None:
+    """Fill all rows of `tree` (twice a power of two that is at least n, TREE_WIDTH) for n parts."""
     leaves = tree.shape[0] // 2
-    n = order.shape[0]
+    n = piece.shape[0]
     for k in range(leaves):
+        v = leaves + k
         if k < n:
-            i = order[k]
-            fill_leaf(tree, leaves + k, pcp, pi[i, CP0], pi[i, DEG])
+            p = pi[piece[k], DEG]
+            restrict(pcp, pi[piece[k], CP0], p, part[k, 0], part[k, 1], work, 0)
+            fill_leaf(tree, v, work, 0, p)
         else:
-            tree[leaves + k, XMIN] = math.inf
-            tree[leaves + k, YMIN] = math.inf
-            tree[leaves + k, XMAX] = -math.inf
-            tree[leaves + k, YMAX] = -math.inf
-            tree[leaves + k, DX] = 0.0
-            tree[leaves + k, DY] = 0.0
+            tree[v, XMIN] = math.inf
+            tree[v, YMIN] = math.inf
+            tree[v, XMAX] = -math.inf
+            tree[v, YMAX] = -math.inf
+            tree[v, DX] = 0.0
+            tree[v, DY] = 0.0
+    # All sums are made before the first of them is turned into a direction.
     for v in range(leaves - 1, 0, -1):
-        # A node's sum is read by its parent before anything of that parent is made into a direction.
         tree[v, DX] = tree[2 * v, DX] + tree[2 * v + 1, DX]
         tree[v, DY] = tree[2 * v, DY] + tree[2 * v + 1, DY]
     for k in range(n):
@@ -172,14 +176,15 @@ def compare_pairs(
     pcp: Floats,
     piece_start: Ints,
     gap: float,
-    order: Ints,
+    piece: Ints,
+    part: Floats,
     tree: Floats,
     pairs: Ints,
     work: Floats,
     tasks: Floats,
     planned: int,
 ) -> int:
-    """Tasks for all pairs not adjacent whose control polygons are not separated; returns the number of tasks.
+    """Tasks for all parts of pieces not adjacent whose control polygons are not separated; returns the number of tasks.
 
     Walks the tree against itself. Ends early when `tasks` is full: a number beyond its rows says that a larger one is
     needed.
@@ -205,20 +210,26 @@ def compare_pairs(
                     pairs[top, 0] = 2 * v + (k >> 1)
                     pairs[top, 1] = 2 * w + (k & 1)
             continue
-        i = min(order[v - leaves], order[w - leaves])
-        j = max(order[v - leaves], order[w - leaves])
+        first_is_lower = piece[v - leaves] <= piece[w - leaves]
+        a = v - leaves if first_is_lower else w - leaves
+        b = w - leaves if first_is_lower else v - leaves
+        i = piece[a]
+        j = piece[b]
         ahead = math.inf
         behind = math.inf
         loop = pi[i, LOOP]
         if loop == pi[j, LOOP]:
             first = piece_start[loop]
             last = piece_start[loop + 1] - 1
-            if j == i + 1 or (i == first and j == last):
+            # A gentle piece does not meet itself.
+            if j <= i + 1 or (i == first and j == last):
                 continue
             ahead = pf[j, CUM] - pf[i, CUM] - pf[i, LEN]
             behind = pf[last, CUM] + pf[last, LEN] - ahead - pf[i, LEN] - pf[j, LEN]
-        restrict(pcp, pi[i, CP0], pi[i, DEG], 0.0, 1.0, work, 0)
-        restrict(pcp, pi[j, CP0], pi[j, DEG], 0.0, 1.0, work, BLOCK)
+        restrict(pcp, pi[i, CP0], pi[i, DEG], part[a, 0], part[a, 1], work, 0)
+        restrict(pcp, pi[j, CP0], pi[j, DEG], part[b, 0], part[b, 1], work, BLOCK)
         if not separated(work, pi[i, DEG], pi[j, DEG], gap):
-            planned = plan(tasks, planned, i, 0.0, 1.0, j, 0.0, 1.0, ahead, behind)
+            planned = plan(
+                tasks, planned, i, part[a, 0], part[a, 1], j, part[b, 0], part[b, 1], ahead, behind
+            )
     return planned

@@ -20,7 +20,9 @@ CUSP_BRANCHES = (
     10.0  # branches of y**2 = x**3 are a gap apart at x = gap**(2/3); a path of ten such x covers flatter ones
 )
 HIT_LIMIT = 256  # pairs of pieces reported; a scribble has millions
-TASKS_A_PIECE = 32  # pairs of pieces with interlocking hulls; sound domains have about one a piece
+TASKS_A_PART = 4  # pairs with interlocking hulls; where there are more, bent pieces are cut into flatter parts
+MOST_PARTS = 64  # of a piece
+TASKS_A_PIECE = 32  # when no cutting helps; sound domains have about one a piece
 TASK_LIMIT = 2_000_000  # of them in all
 CELL_BITS = 20
 CELLS = 1 << CELL_BITS  # of the Z-curve, along each axis of the unit square
@@ -88,25 +90,34 @@ class Outline(NamedTuple):
 
         Rows piece, t, piece, t, kind (`mat_core.kernels.intersect`); at most HIT_LIMIT of them.
         """
-        order = neighbours_first(self)
-        tree = box_tree(self, order)
+        piece = neighbours_first(self)
+        part = np.tile((0.0, 1.0), (len(piece), 1))
+        bent = self.pi[:, columns.DEG] > 1
         pairs = np.empty((256, 2), dtype=np.int64)
         hits = np.empty((HIT_LIMIT, 5))
         counts = np.zeros(2, dtype=np.int64)
         gap = self.frame.gap
         limit = min(TASK_LIMIT, 64 + TASKS_A_PIECE * len(self.pi))
-        capacity = 64 + 2 * len(self.pi)
+        capacity = 64 + TASKS_A_PART * len(piece)
+        tree = box_tree(self, piece, part)
         while True:
             tasks = np.empty((capacity, 8))
             counts[:] = 0
             compare_joints(self.pi, self.pf, self.cp, self.piece_start, gap, self.work, tasks, hits, counts)
             found, planned = counts.tolist()
             planned = compare_pairs(
-                self.pi, self.pf, self.cp, self.piece_start, gap, order, tree, pairs, self.work, tasks, planned
+                self.pi, self.pf, self.cp, self.piece_start, gap, piece, part, tree, pairs, self.work, tasks, planned
             )
-            if planned <= capacity or capacity >= limit:
+            if planned <= capacity:
                 break
-            capacity = min(4 * capacity, limit)
+            if len(piece) <= MOST_PARTS * len(self.pi) // 2 and bent.any():
+                piece, part = halved(piece, part, bent[piece])
+                tree = box_tree(self, piece, part)
+                capacity = 64 + TASKS_A_PART * len(piece)
+            elif capacity < limit:
+                capacity = min(4 * capacity, limit)
+            else:
+                break
         found = compare_closely(
             self.pi, self.cp, tasks, min(planned, capacity), gap, CUSP_BRANCHES * gap ** (2.0 / 3.0),
             self.work, self.stack, SUBDIVISIONS, hits, found,
@@ -152,11 +163,23 @@ def neighbours_first(outline: Outline) -> NDArray[np.int64]:
     return np.argsort(np.repeat(rank, np.diff(outline.piece_start)[used]), kind="stable")
 
 
-def box_tree(outline: Outline, order: NDArray[np.int64]) -> NDArray[np.float64]:
-    """The tree of `mat_core.kernels.nearby` over the pieces in this order."""
-    leaves = 1 << max(0, len(order) - 1).bit_length()
+def halved(
+    piece: NDArray[np.int64], part: NDArray[np.float64], bent: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """The bent parts in halves, the others as they are."""
+    copies = 1 + bent
+    middle = part.mean(axis=1)[bent]
+    piece, part = np.repeat(piece, copies), np.repeat(part, copies, axis=0)
+    first = (np.cumsum(copies) - copies)[bent]
+    part[first, 1] = part[first + 1, 0] = middle
+    return piece, part
+
+
+def box_tree(outline: Outline, piece: NDArray[np.int64], part: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The tree of `mat_core.kernels.nearby` over these parts (n,), (n, 2) of the pieces."""
+    leaves = 1 << max(0, len(piece) - 1).bit_length()
     tree = np.empty((2 * leaves, TREE_WIDTH))
-    fill_tree(outline.pi, outline.cp, order, tree)
+    fill_tree(outline.pi, outline.cp, piece, part, outline.work, tree)
     return tree
 
 
