@@ -29,6 +29,7 @@ from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, LOOP
 
 XMIN, YMIN, XMAX, YMAX, DX, DY, CX, CY, HALF, BREADTH = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 TREE_WIDTH = 10
+TREE_CENTRE = slice(CX, CY + 1)
 
 SLACK = 1e-14  # normalised: rounding of a turned box, far below every gap
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mat_core.kernels import outline as columns
 from mat_core.kernels.intersect import compare_closely, compare_joints
-from mat_core.kernels.nearby import TREE_WIDTH, compare_pairs, fill_tree
+from mat_core.kernels.nearby import TREE_CENTRE, TREE_WIDTH, compare_pairs, fill_tree
 from mat_core.kernels.outline import cut_gently, farthest, sector_areas
 from mat_core.model.curve import RationalBSpline
 
@@ -111,7 +111,9 @@ class Outline(NamedTuple):
             if planned <= capacity:
                 break
             if len(piece) <= MOST_PARTS * len(self.pi) // 2 and bent.any():
-                piece, part = halved(piece, part, bent[piece])
+                leaves = tree[len(tree) // 2 :][: len(piece)]
+                order = np.argsort(z_codes(leaves[:, TREE_CENTRE]), kind="stable")
+                piece, part = halved(piece[order], part[order], bent[piece[order]])
                 tree = box_tree(self, piece, part)
                 capacity = 64 + TASKS_A_PART * len(piece)
             elif capacity < limit:
@@ -154,13 +156,19 @@ def neighbours_first(outline: Outline) -> NDArray[np.int64]:
         return np.arange(len(outline.pi))
     low = np.minimum.reduceat(outline.pf[:, columns.XMIN : columns.XMAX], first, axis=0)
     high = np.maximum.reduceat(outline.pf[:, columns.XMAX : columns.YMAX + 1], first, axis=0)
-    cells = ((0.5 * (low + high) + 0.5) * (CELLS - 1)).astype(np.int64)
-    code = np.zeros(len(used), dtype=np.int64)
-    for bit in range(CELL_BITS):
-        code |= ((cells[:, 0] >> bit & 1) << 2 * bit) | ((cells[:, 1] >> bit & 1) << 2 * bit + 1)
+    code = z_codes(0.5 * (low + high))
     rank = np.empty(len(used), dtype=np.int64)
     rank[np.argsort(code, kind="stable")] = np.arange(len(used))
     return np.argsort(np.repeat(rank, np.diff(outline.piece_start)[used]), kind="stable")
+
+
+def z_codes(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Places (n,) of normalised points (n, 2) along a Z-curve."""
+    cells = ((points + 0.5) * (CELLS - 1)).astype(np.int64)
+    code = np.zeros(len(points), dtype=np.int64)
+    for bit in range(CELL_BITS):
+        code |= ((cells[:, 0] >> bit & 1) << 2 * bit) | ((cells[:, 1] >> bit & 1) << 2 * bit + 1)
+    return code
 
 
 def halved(
