@@ -21,11 +21,14 @@ from mat_core.kernels.jit import jit
 from mat_core.kernels.joints import (
     AHEAD,
     BEHIND,
+    CROSS,
+    FOLD,
     I0,
     I1,
     J0,
     J1,
     NEAR_PATH,
+    PART,
     PIECE_I,
     PIECE_J,
     distance,
@@ -39,6 +42,7 @@ from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, span_of, split_r
 MEET = 0  # within `gap` of each other
 OVERLAP = 1  # adjacent pieces, the second running back along the first
 UNDECIDED = 2  # still not separated when the budget of subdivisions was spent
+TIP = 3  # adjacent pieces, crossing in the thin tip at their joint
 
 LEAF = 0.25  # of gap: extent at which subdivision ends; hulls of two leaves add half a gap at most
 STRAIGHT_BACK = 0.1  # sine between chords that run against each other, as the branches of a cusp do
@@ -103,6 +107,7 @@ def compare_joints(
     pcp: Floats,
     piece_start: Ints,
     gap: float,
+    noise: float,
     work: Floats,
     tasks: Floats,
     hits: Floats,
@@ -123,19 +128,19 @@ def compare_joints(
             i = first + k
             j = first + (k + 1) % n
             if pi[i, DEG] == 1 and pi[j, DEG] == 1:
-                folded = lines_fold(pcp, pi[i, CP0], pi[j, CP0], gap)
+                status = FOLD if lines_fold(pcp, pi[i, CP0], pi[j, CP0], gap) else PART
             else:
                 far = total - pf[i, LEN] - pf[j, LEN] if n > 2 else math.inf
-                folded, planned = plan_joint(pi, pcp, i, cut, j, 1.0 - cut, far, gap, work, tasks, planned)
+                status, planned = plan_joint(pi, pcp, i, cut, j, 1.0 - cut, far, gap, noise, work, tasks, planned)
                 if n == 2:
                     h = 0.5 * k
                     planned = plan(tasks, planned, first, h, h + 0.5, first + 1, h, h + 0.5, math.inf, math.inf)
-            if folded and found < hits.shape[0]:
+            if status != PART and found < hits.shape[0]:
                 hits[found, 0] = i
-                hits[found, 1] = 0.5
+                hits[found, 1] = 1.0 if status == CROSS else 0.5
                 hits[found, 2] = j
-                hits[found, 3] = 0.5
-                hits[found, 4] = OVERLAP
+                hits[found, 3] = 0.0 if status == CROSS else 0.5
+                hits[found, 4] = TIP if status == CROSS else OVERLAP
                 found += 1
     counts[0] = found
     counts[1] = planned

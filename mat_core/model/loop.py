@@ -60,13 +60,15 @@ class BoundaryArrays(NamedTuple):
 class Frame(NamedTuple):
     """Normalised coordinates: (input - origin) * scale, the size in [0.5, 1]; the scale is a power of two.
 
-    `gap`: the normalised distance below which two walls count as touching.
+    `gap`: the normalised distance below which two walls count as touching; `noise`: by how much a control point may be
+    off, by rounding or because it was moved to close a gap.
     """
 
     origin: tuple[float, float]
     scale: float
     size: float
     gap: float
+    noise: float
 
     def to_input(self, x: float, y: float) -> tuple[float, float]:
         """A normalised point in the caller's coordinates."""
@@ -103,7 +105,9 @@ class Outline(NamedTuple):
         while True:
             tasks = np.empty((capacity, 8))
             counts[:] = 0
-            compare_joints(self.pi, self.pf, self.cp, self.piece_start, gap, self.work, tasks, hits, counts)
+            compare_joints(
+                self.pi, self.pf, self.cp, self.piece_start, gap, self.frame.noise, self.work, tasks, hits, counts
+            )
             found, planned = counts.tolist()
             planned = compare_pairs(
                 self.pi, self.pf, self.cp, self.piece_start, gap, piece, part, tree, pairs, self.work, tasks, planned
@@ -191,15 +195,19 @@ def box_tree(outline: Outline, piece: NDArray[np.int64], part: NDArray[np.float6
     return tree
 
 
-def frame_of(cp: NDArray[np.float64], largest: float) -> Frame:
-    """The frame of a set of control points (N, 2 or more); `largest` is the biggest coordinate in magnitude."""
+def frame_of(cp: NDArray[np.float64], largest: float, moved: float = 0.0) -> Frame:
+    """The frame of a set of control points (N, 2 or more).
+
+    `largest`: the biggest coordinate in magnitude; `moved`: the widest gap that is closed.
+    """
     low = cp[:, :2].min(axis=0)
     high = cp[:, :2].max(axis=0)
     size = float((high - low).max())
     centre = low + 0.5 * (high - low)
     scale = math.ldexp(1.0, -math.frexp(size)[1]) if size > 0.0 else 1.0
     gap = max(TOUCH * size, TOUCH_ULPS * math.ulp(largest)) * scale
-    return Frame((float(centre[0]), float(centre[1])), scale, size, gap)
+    noise = max(math.ulp(largest), moved) * scale
+    return Frame((float(centre[0]), float(centre[1])), scale, size, gap, noise)
 
 
 def outline_of(arrays: BoundaryArrays, use_loop: NDArray[np.int64], frame: Frame) -> Outline:

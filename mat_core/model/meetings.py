@@ -63,7 +63,7 @@ def find_meetings(outline: Outline) -> tuple[list[Meeting], bool]:
         if per_edges.get(edges, 0) >= PER_EDGES or _seen(near, loops, x, y):
             continue
         per_edges[edges] = per_edges.get(edges, 0) + 1
-        crosses = kind == intersect.MEET and branches_cross(outline, (i, j), (s, t))
+        crosses = kind == intersect.TIP or (kind == intersect.MEET and branches_cross(outline, (i, j), (s, t)))
         meetings.append(Meeting(loops, (i, j), (s, t), (x, y), int(kind), crosses))
     return meetings, complete
 
@@ -209,6 +209,11 @@ def _describe(outline: Outline, draft: Draft, meeting: Meeting) -> Problem:
         text = f"{this} and {that} run back along each other {where}; a boundary must not double back"
     elif meeting.kind == intersect.UNDECIDED:
         text = f"{this} and {that} are too near to each other to be told apart {where}; move them apart"
+    elif meeting.kind == intersect.TIP:
+        text = (
+            f"{this} crosses {that} in the tip of the cusp {where}; "
+            "let both leave the tip on the sides they have farther on, or along one tangent"
+        )
     elif meeting.crosses:
         text = f"{this} crosses {that} {where}; boundaries must not cross"
     else:
