@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.model.loop import BoundaryArrays
-from mat_core.model.reading import Draft, edge_pointer, loop_name, loop_pointer
+from mat_core.model.reading import Draft
+from mat_core.model.values import edge_pointer, loop_name, loop_pointer
 
 NOTE_LIMIT = 100  # of each kind; the last one tells how many more there are
 
@@ -39,7 +40,8 @@ class Note:
 def extents(arrays: BoundaryArrays) -> NDArray[np.float64]:
     """Largest distance by coordinate (E,) of each edge's control points from its first one."""
     points, starts = arrays.cp[:, :2], arrays.cp_start
-    offset = np.abs(points - np.repeat(points[starts[:-1]], np.diff(starts), axis=0)).max(axis=1)
+    with np.errstate(invalid="ignore", over="ignore"):  # edges that are refused for it may be among them
+        offset = np.abs(points - np.repeat(points[starts[:-1]], np.diff(starts), axis=0)).max(axis=1)
     return np.asarray(np.maximum.reduceat(offset, starts[:-1]), dtype=np.float64)
 
 

@@ -92,6 +92,8 @@ class Outline(NamedTuple):
 
         Rows piece, t, piece, t, kind (`mat_core.kernels.intersect`); at most HIT_LIMIT of them.
         """
+        if len(self.pi) == 0:
+            return np.empty((0, 5)), True
         piece = neighbours_first(self)
         part = np.tile((0.0, 1.0), (len(piece), 1))
         bent = self.pi[:, columns.DEG] > 1
@@ -211,10 +213,11 @@ def frame_of(cp: NDArray[np.float64], largest: float, moved: float = 0.0) -> Fra
 
 
 def outline_of(arrays: BoundaryArrays, use_loop: NDArray[np.int64], frame: Frame) -> Outline:
-    """Cut the loops marked in `use_loop` (L,) into gentle pieces. Assumes sound edges."""
+    """Cut the loops marked in `use_loop` (L,) into gentle pieces; one too small for any has none. Assumes sound edges."""
     cp = arrays.cp.copy()
-    cp[:, 0] = (cp[:, 0] - frame.origin[0]) * frame.scale
-    cp[:, 1] = (cp[:, 1] - frame.origin[1]) * frame.scale
+    with np.errstate(invalid="ignore", over="ignore"):  # loops not in use may be anywhere
+        cp[:, 0] = (cp[:, 0] - frame.origin[0]) * frame.scale
+        cp[:, 1] = (cp[:, 1] - frame.origin[1]) * frame.scale
     spans = np.diff(arrays.cp_start) - arrays.degree
     total = int(spans.sum()) + 8
     rows = spans * (arrays.degree + 1)
@@ -236,8 +239,11 @@ def outline_of(arrays: BoundaryArrays, use_loop: NDArray[np.int64], frame: Frame
             break
         factor *= 4
     pi, pf = pi[:n], pf[:n]
-    used = int(pi[-1, columns.CP0] + pi[-1, columns.DEG]) + 1
-    measures = measure(pi, pf, pcp[:used], piece_start, stack)
+    if n > 0:
+        used = int(pi[-1, columns.CP0] + pi[-1, columns.DEG]) + 1
+        measures = measure(pi, pf, pcp[:used], piece_start, stack)
+    else:
+        measures = np.zeros((len(piece_start) - 1, 2))
     return Outline(frame, pi, pf, pcp, piece_start, measures, work, stack)
 
 

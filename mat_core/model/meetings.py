@@ -24,7 +24,8 @@ from mat_core.kernels.bezier import point
 from mat_core.kernels.joints import place_on
 from mat_core.model.flattening import second_opinion
 from mat_core.model.loop import Outline
-from mat_core.model.reading import Draft, edge_pointer, loop_pointer
+from mat_core.model.reading import Draft
+from mat_core.model.values import edge_pointer, loop_pointer
 
 RADII = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)  # normalised
 CLEAR = 8.0  # gaps by which branches must part on a circle to be put in order

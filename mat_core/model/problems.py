@@ -25,8 +25,9 @@ from mat_core.model.healing import Note, joined_ends, shrink_specks
 from mat_core.model.loop import TOUCH, BoundaryArrays, Frame, Outline, frame_of, outline_of
 from mat_core.model.meetings import Meeting, find_meetings, meeting_problems
 from mat_core.model.nesting import nesting_problems
-from mat_core.model.reading import Draft, edge_pointer, loop_name, loop_pointer, read
+from mat_core.model.reading import Draft, read
 from mat_core.model.splines import LARGEST, spline_problems
+from mat_core.model.values import edge_pointer, loop_name, loop_pointer
 
 CODES = {
     "invalid-request": "the document's form: a wrong type, a missing or unknown key, an option out of range",
@@ -50,6 +51,7 @@ SMALLEST = 1e-150  # size of a domain, likewise
 COARSEST = 1e4  # units in the last place across the domain: with fewer the input is rounding, not shape
 JOIN = 1e-10  # of the size: ends no farther apart are one point
 JOIN_ULPS = 8.0  # of the largest coordinate: what transforms of the input leave
+SHAPELESS = 4e-15  # of the size: what normalised coordinates cannot hold
 FLATTEST = 4.0  # gaps of mean width below which a loop has no area
 PROBLEM_LIMIT = 1000
 
@@ -94,7 +96,7 @@ def check(obj: object, limit: int) -> Checked:
     size = _size(arrays.cp)
     rounding = JOIN_ULPS * math.ulp(largest)
     join = max(JOIN * size, rounding)
-    problems.extend(spline_problems(draft, join, sound))
+    problems.extend(spline_problems(draft, max(SHAPELESS * size, rounding), join, sound))
     use = draft.whole.copy()
     gaps = end_gaps(arrays)
     problems.extend(join_problems(draft, sound, gaps, join, use))
@@ -107,8 +109,9 @@ def check(obj: object, limit: int) -> Checked:
         if too_fine is not None:
             raise InvalidDomain([*_sorted(problems), too_fine])
         outline = outline_of(arrays, use, frame)
+        vanished = set(np.flatnonzero(use.astype(np.bool_) & (np.diff(outline.piece_start) == 0)).tolist())
         meetings, complete = find_meetings(outline)
-        flat = set(flat_loops(outline, meetings))
+        flat = vanished | set(flat_loops(outline, meetings))
         problems.extend(area_problems(flat))
         problems.extend(meeting_problems(outline, draft, meetings, flat))
         problems.extend(nesting_problems(outline, meetings, flat))

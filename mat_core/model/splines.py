@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from mat_core.errors import Problem
 from mat_core.model.healing import extents
 from mat_core.model.loop import BoundaryArrays
-from mat_core.model.reading import Draft, edge_pointer, loop_name
+from mat_core.model.reading import Draft
+from mat_core.model.values import edge_pointer, loop_name
 
 LARGEST = 1e150  # coordinates: areas, their squares, still are floats
 WIDEST = 1e16  # largest weight over smallest: beyond, whole stretches of a curve fall between two floats
@@ -36,14 +37,14 @@ class Breach(NamedTuple):
     text: str
 
 
-def spline_problems(draft: Draft, join: float, sound: Flags) -> Iterator[Problem]:
+def spline_problems(draft: Draft, rounding: float, join: float, sound: Flags) -> Iterator[Problem]:
     """Rules of single edges; clears `sound` (E,) where one is broken.
 
-    `join`: distance below which two points of a curve are one.
+    `rounding`: extent below which an edge has no shape; `join`: distance below which two points of a curve are one.
     """
     arrays = draft.arrays
     with np.errstate(invalid="ignore", over="ignore"):
-        breaches = [*point_breaches(arrays), *weight_breaches(arrays), *knot_breaches(arrays, join)]
+        breaches = [*point_breaches(arrays, rounding), *weight_breaches(arrays), *knot_breaches(arrays, join)]
     for edges, places, code, member, text in breaches:
         sound[edges] = False
         for e, index in zip(edges.tolist(), places.tolist(), strict=True):
@@ -67,8 +68,11 @@ def firsts(where: Flags, starts: NDArray[np.int64]) -> tuple[Places, Places]:
     return edges, found[first] - starts[edges]
 
 
-def point_breaches(arrays: BoundaryArrays) -> Iterator[Breach]:
-    """Control points finite, not too far out, and not all the very same (`mat_core.model.healing` has the almost same)."""
+def point_breaches(arrays: BoundaryArrays, rounding: float) -> Iterator[Breach]:
+    """Control points finite, not too far out, and not all the very same.
+
+    Almost the same will do (`mat_core.model.healing` passes such an edge over), but not for all edges of a loop.
+    """
     points, starts = arrays.cp[:, :2], arrays.cp_start
     reach = np.abs(points).max(axis=1)
     # NaN fails every comparison; maximum and minimum hand it on.
@@ -78,7 +82,11 @@ def point_breaches(arrays: BoundaryArrays) -> Iterator[Breach]:
         yield Breach(*firsts(~finite, starts), "non-finite", "control_points", text)
         text = f"coordinate is beyond {LARGEST:g}; scale the domain"
         yield Breach(*firsts(finite & (reach > LARGEST), starts), "out-of-range", "control_points", text)
-    single = np.flatnonzero(extents(arrays) == 0.0)
+    extent = extents(arrays)
+    filled = np.flatnonzero(np.diff(arrays.loop_start))
+    largest = np.maximum.reduceat(extent, arrays.loop_start[filled])
+    shapeless = np.repeat(largest <= rounding, np.diff(arrays.loop_start)[filled])
+    single = np.flatnonzero(shapeless | (extent == 0.0))
     if len(single):
         text = "all control points coincide: an edge without length; remove it"
         yield Breach(single, np.zeros_like(single), "zero-length-edge", "", text)
