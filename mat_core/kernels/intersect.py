@@ -36,7 +36,7 @@ from mat_core.kernels.joints import (
     plan,
     plan_joint,
 )
-from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, span_of, split_range
+from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, NARROWEST, span_of, split_range
 
 # Kinds of hits.
 MEET = 0  # within `gap` of each other
@@ -187,7 +187,10 @@ def compare_closely(
                 continue
             sa = span_of(work, 0, p)
             sb = span_of(work, BLOCK, q)
-            small = sa <= LEAF * gap and sb <= LEAF * gap
+            # Beside a large weight a curve runs so fast that neighbouring parameters are more than a gap apart.
+            can_i = stack[top, 1] - stack[top, 0] > NARROWEST
+            can_j = stack[top, 3] - stack[top, 2] > NARROWEST
+            small = (sa <= LEAF * gap and sb <= LEAF * gap) or not (can_i or can_j)
             if small or budget <= 0:
                 hits[found, 0] = i
                 hits[found, 1] = 0.5 * (stack[top, 0] + stack[top, 1])
@@ -197,7 +200,7 @@ def compare_closely(
                 found += 1
                 break
             budget -= 1
-            split_range(stack, top, 0 if sa >= sb else 2)
+            split_range(stack, top, 0 if can_i and (sa >= sb or not can_j) else 2)
             top += 1
         if budget <= 0 or found >= hits.shape[0]:
             break

@@ -271,3 +271,14 @@ def test_problems_of_several_loops_come_together() -> None:
         ("empty-domain", "/holes/2"),
         ("open-loop", "/holes/3/1"),
     ]
+
+
+@pytest.mark.parametrize("weight", [1e4, 1e8, 1e12])
+def test_crossings_where_a_curve_runs_faster_than_floats_can_follow(weight: float) -> None:
+    """The curve leaves its first point and is half way to its apex at u = 1 / weight."""
+    outer = [bezier((0, 0), (1, 2), (2, 0), weights=[1, weight, 1]), bezier((2, 0), (0, 0))]
+    other = [bezier((0.2, 0.9), (0.6, 0.7), (0.9, 0.9), weights=[1, weight, 1]), bezier((0.9, 0.9), (0.2, 0.9))]
+    found = refuse(outer, other)
+    assert codes(found) == {"loops-cross"}
+    assert all(0 < problem.x < 1 and 0.7 < problem.y <= 1 for problem in found)
+    accept(outer, [bezier((0.7, 0.9), (0.8, 0.7), (0.9, 0.9), weights=[1, weight, 1]), bezier((0.9, 0.9), (0.7, 0.9))])
