@@ -1,9 +1,9 @@
-"""Where the boundary meets itself: every pair of gentle pieces decided by subdivision, near-linear over a box tree.
+"""Where the boundary meets itself: pairs of gentle pieces decided by subdivision.
 
     adjacent pieces      see `mat_core.kernels.joints`: whether they share more than their joint becomes some tasks
-    other pairs          a task: halve the longer piece, drop what is separated by more than `gap` along x, y, either
-                         chord or its normal (control polygons bound the curves); both smaller than gap / 4 and still
-                         not separated: they meet
+    other pairs          a task where `mat_core.kernels.nearby` finds them close: halve the longer piece, drop what is
+                         separated by more than `gap` along x, y, either chord or its normal (control polygons bound
+                         the curves); both smaller than gap / 4 and still not separated: they meet
 
 Points of one loop joined by a boundary path of a few gaps are near each other by rights; so are, up to `cusp_path`, the
 branches of a cusp (they run against each other, 2 x**1.5 apart at distance x from the tip).
@@ -21,11 +21,14 @@ from mat_core.kernels.jit import jit
 from mat_core.kernels.joints import (
     AHEAD,
     BEHIND,
+    CROSS,
+    FOLD,
     I0,
     I1,
     J0,
     J1,
     NEAR_PATH,
+    PART,
     PIECE_I,
     PIECE_J,
     distance,
@@ -33,12 +36,13 @@ from mat_core.kernels.joints import (
     plan,
     plan_joint,
 )
-from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, LOOP, span_of, split_range
+from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, NARROWEST, span_of, split_range
 
 # Kinds of hits.
 MEET = 0  # within `gap` of each other
 OVERLAP = 1  # adjacent pieces, the second running back along the first
 UNDECIDED = 2  # still not separated when the budget of subdivisions was spent
+TIP = 3  # adjacent pieces, crossing in the thin tip at their joint
 
 LEAF = 0.25  # of gap: extent at which subdivision ends; hulls of two leaves add half a gap at most
 STRAIGHT_BACK = 0.1  # sine between chords that run against each other, as the branches of a cusp do
@@ -103,6 +107,7 @@ def compare_joints(
     pcp: Floats,
     piece_start: Ints,
     gap: float,
+    noise: float,
     work: Floats,
     tasks: Floats,
     hits: Floats,
@@ -123,81 +128,22 @@ def compare_joints(
             i = first + k
             j = first + (k + 1) % n
             if pi[i, DEG] == 1 and pi[j, DEG] == 1:
-                folded = lines_fold(pcp, pi[i, CP0], pi[j, CP0], gap)
+                status = FOLD if lines_fold(pcp, pi[i, CP0], pi[j, CP0], gap) else PART
             else:
                 far = total - pf[i, LEN] - pf[j, LEN] if n > 2 else math.inf
-                folded, planned = plan_joint(pi, pcp, i, cut, j, 1.0 - cut, far, gap, work, tasks, planned)
+                status, planned = plan_joint(pi, pcp, i, cut, j, 1.0 - cut, far, gap, noise, work, tasks, planned)
                 if n == 2:
                     h = 0.5 * k
                     planned = plan(tasks, planned, first, h, h + 0.5, first + 1, h, h + 0.5, math.inf, math.inf)
-            if folded and found < hits.shape[0]:
+            if status != PART and found < hits.shape[0]:
                 hits[found, 0] = i
-                hits[found, 1] = 0.5
+                hits[found, 1] = 1.0 if status == CROSS else 0.5
                 hits[found, 2] = j
-                hits[found, 3] = 0.5
-                hits[found, 4] = OVERLAP
+                hits[found, 3] = 0.0 if status == CROSS else 0.5
+                hits[found, 4] = TIP if status == CROSS else OVERLAP
                 found += 1
     counts[0] = found
     counts[1] = planned
-
-
-@jit
-def compare_pairs(
-    pi: Ints,
-    pf: Floats,
-    pcp: Floats,
-    piece_start: Ints,
-    gap: float,
-    tree: Floats,
-    pairs: Ints,
-    work: Floats,
-    tasks: Floats,
-    planned: int,
-) -> int:
-    """Tasks for all pairs not adjacent whose control polygons are not separated; returns the number of tasks.
-
-    Walks the tree of boxes against itself (node v has the children 2v and 2v + 1, the root is 1, the leaves are the
-    pieces in loop order). Ends early when `tasks` is full: a number beyond its rows says that a larger one is needed.
-    """
-    leaves = tree.shape[0] // 2
-    top = 0
-    pairs[0, 0] = 1
-    pairs[0, 1] = 1
-    while top >= 0 and planned <= tasks.shape[0]:
-        v = pairs[top, 0]
-        w = pairs[top, 1]
-        top -= 1
-        near = True
-        for axis in range(2):
-            if tree[v, axis] > tree[w, axis + 2] + gap or tree[w, axis] > tree[v, axis + 2] + gap:
-                near = False
-        if not near or (v == w and v >= leaves):
-            continue
-        if v < leaves:
-            # Both nodes are on one level, v <= w; pushed so that pairs come out in loop order.
-            for k in range(3, -1, -1):
-                if k != 2 or v != w:
-                    top += 1
-                    pairs[top, 0] = 2 * v + (k >> 1)
-                    pairs[top, 1] = 2 * w + (k & 1)
-            continue
-        i = v - leaves
-        j = w - leaves
-        ahead = math.inf
-        behind = math.inf
-        loop = pi[i, LOOP]
-        if loop == pi[j, LOOP]:
-            first = piece_start[loop]
-            last = piece_start[loop + 1] - 1
-            if j == i + 1 or (i == first and j == last):
-                continue
-            ahead = pf[j, CUM] - pf[i, CUM] - pf[i, LEN]
-            behind = pf[last, CUM] + pf[last, LEN] - ahead - pf[i, LEN] - pf[j, LEN]
-        restrict(pcp, pi[i, CP0], pi[i, DEG], 0.0, 1.0, work, 0)
-        restrict(pcp, pi[j, CP0], pi[j, DEG], 0.0, 1.0, work, BLOCK)
-        if not separated(work, pi[i, DEG], pi[j, DEG], gap):
-            planned = plan(tasks, planned, i, 0.0, 1.0, j, 0.0, 1.0, ahead, behind)
-    return planned
 
 
 @jit
@@ -241,7 +187,10 @@ def compare_closely(
                 continue
             sa = span_of(work, 0, p)
             sb = span_of(work, BLOCK, q)
-            small = sa <= LEAF * gap and sb <= LEAF * gap
+            # Beside a large weight a curve runs so fast that neighbouring parameters are more than a gap apart.
+            can_i = stack[top, 1] - stack[top, 0] > NARROWEST
+            can_j = stack[top, 3] - stack[top, 2] > NARROWEST
+            small = (sa <= LEAF * gap and sb <= LEAF * gap) or not (can_i or can_j)
             if small or budget <= 0:
                 hits[found, 0] = i
                 hits[found, 1] = 0.5 * (stack[top, 0] + stack[top, 1])
@@ -251,7 +200,7 @@ def compare_closely(
                 found += 1
                 break
             budget -= 1
-            split_range(stack, top, 0 if sa >= sb else 2)
+            split_range(stack, top, 0 if can_i and (sa >= sb or not can_j) else 2)
             top += 1
         if budget <= 0 or found >= hits.shape[0]:
             break

@@ -9,6 +9,9 @@
                  \\  /
                   V
 
+A tip too thin to tell its branches apart is accepted, unless they leave V in the other order than the one they have at
+the far end of the tip: then they cross on the way (a handle on the wrong side of its cusp, common in glyphs).
+
 Coordinates, piece tables and gentle pieces as in `mat_core.kernels.outline`.
 """
 
@@ -21,6 +24,9 @@ from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import jit
 from mat_core.kernels.outline import BLOCK, CP0, DEG, span_of
 
+# What adjacent pieces do at their joint.
+PART, FOLD, CROSS = 0, 1, 2
+
 # Columns of `tasks`: pieces i and j over [I0, I1] and [J0, J1], the boundary path from the end of i ahead to the start
 # of j and from the end of j back to the start of i (infinite between loops, zero where they are adjacent).
 PIECE_I, I0, I1, J0, J1, PIECE_J, AHEAD, BEHIND = 0, 1, 2, 3, 4, 5, 6, 7
@@ -28,6 +34,8 @@ PIECE_I, I0, I1, J0, J1, PIECE_J, AHEAD, BEHIND = 0, 1, 2, 3, 4, 5, 6, 7
 NEAR_PATH = 16.0  # gaps of boundary path within which two points are one corner
 THIN = 64.0  # gaps: a thinner tip is accepted; beyond it even branches that part like x**5 are 64 / 2**5 gaps apart
 COINCIDENT = 2.0  # gaps: pieces nearer than this from end to end run back along each other
+TIP_NOISE = 8.0  # roundings of the control points that may turn a tangent or bend a curve
+SAME_BEND = 1e-9  # relative difference below which two branches of a cusp bend alike
 SAME_DIRECTION = 1e-10  # sine below which two cone sides count as one
 NO_DIRECTION = 1e-15  # control points this near to V tell no direction: the rounding of normalised coordinates
 SAMPLES = 8  # points at which a tip's thickness is measured
@@ -133,6 +141,73 @@ def thickness(rows: Floats, p: int, q: int, limit: float) -> float:
 
 
 @jit
+def bend_at(rows: Floats, v: int, step: int, p: int) -> float:
+    """Curvature, positive to the left, of a block that leaves row v; its next control points are `step` rows on."""
+    if p < 2:
+        return 0.0
+    ax = rows[v + step, 0] - rows[v, 0]
+    ay = rows[v + step, 1] - rows[v, 1]
+    bx = rows[v + 2 * step, 0] - rows[v + step, 0]
+    by = rows[v + 2 * step, 1] - rows[v + step, 1]
+    length = math.hypot(ax, ay)
+    share = rows[v, 2] / rows[v + step, 2] * (rows[v + 2 * step, 2] / rows[v + step, 2])
+    return (p - 1.0) / p * share * (ax * by - ay * bx) / (length * length * length)
+
+
+@jit
+def side_of(rows: Floats, c: int, p: int, x: float, y: float) -> float:
+    """Signed distance of (x, y) to the left of the gentle block at row `c`, at the foot that bisection finds."""
+    lo = 0.0
+    hi = 1.0
+    side = 0.0
+    for _ in range(BISECTIONS):
+        t = 0.5 * (lo + hi)
+        cx, cy, dx, dy = place_on(rows, c, p, t, x, y)
+        speed = math.hypot(dx, dy)
+        if speed > 0.0:
+            side = (cx * dy - cy * dx) / speed
+        if cx * dx + cy * dy < 0.0:
+            lo = t
+        else:
+            hi = t
+    return side
+
+
+@jit
+def order_at_tip(pcp: Floats, va: int, p: int, vb: int, q: int, gap: float, noise: float) -> float:
+    """Positive where the piece that ends in row `va` leaves this V to the left of the one that starts in row `vb`.
+
+    By the tangents, else by the curvatures. Zero where rounding (`noise`, of the control points) could have made the
+    difference, or where branches of that curvature are in the other order from `gap` on.
+    """
+    a = distance(pcp, va, pcp, va - 1)
+    b = distance(pcp, vb, pcp, vb + 1)
+    if min(a, b) <= TIP_NOISE * noise:
+        return 0.0
+    ax = (pcp[va - 1, 0] - pcp[va, 0]) / a
+    ay = (pcp[va - 1, 1] - pcp[va, 1]) / a
+    bx = (pcp[vb + 1, 0] - pcp[vb, 0]) / b
+    by = (pcp[vb + 1, 1] - pcp[vb, 1]) / b
+    turn = bx * ay - by * ax
+    bend_a = bend_at(pcp, va, -1, p)
+    bend_b = bend_at(pcp, vb, 1, q)
+    bend = bend_a - bend_b
+    if abs(turn) > TIP_NOISE * noise * (1.0 / a + 1.0 / b):
+        return 0.0 if turn * bend < 0.0 and 2.0 * abs(turn) <= gap * abs(bend) else turn
+    alike = SAME_BEND * (abs(bend_a) + abs(bend_b))
+    return bend if abs(bend) > max(alike, TIP_NOISE * noise * (1.0 / (a * a) + 1.0 / (b * b))) else 0.0
+
+
+@jit
+def order_beyond_tip(rows: Floats, p: int, q: int) -> float:
+    """The same at the far end of the shorter one of blocks 0 and BLOCK, as a distance."""
+    if distance(rows, 0, rows, p) <= distance(rows, BLOCK, rows, BLOCK + q):
+        return side_of(rows, BLOCK, q, rows[0, 0], rows[0, 1])
+    # Left of A as it runs towards V is right of it seen from V, and B to the right of A is A to the left of B.
+    return side_of(rows, 0, p, rows[BLOCK + q, 0], rows[BLOCK + q, 1])
+
+
+@jit
 def lines_fold(pcp: Floats, a: int, b: int, gap: float) -> bool:
     """Does segment b, which starts where segment a ends, run back along a (the shorter within `gap` of the other)?"""
     ux = pcp[a, 0] - pcp[a + 1, 0]
@@ -171,14 +246,15 @@ def plan_joint(
     j1: float,
     far: float,
     gap: float,
+    noise: float,
     work: Floats,
     tasks: Floats,
     n: int,
-) -> tuple[bool, int]:
+) -> tuple[int, int]:
     """Adjacent pieces i over [i0, 1] and j over [0, j1] share V, the end of i and start of j. What else may they share?
 
-    Returns whether j runs back along i, and the number of tasks with the parts still to be compared appended. `far`:
-    path from the end of j on to the start of i.
+    Returns PART, FOLD (j runs back along i) or CROSS (in the tip at V), and the number of tasks with the parts still to
+    be compared appended. `far`: path from the end of j on to the start of i.
     """
     p = pi[i, DEG]
     q = pi[j, DEG]
@@ -192,7 +268,11 @@ def plan_joint(
         thick = thickness(work, p, q, THIN * gap)
         if thick <= THIN * gap:
             longer = sa > NEAR_PATH * gap and sb > NEAR_PATH * gap
-            return step == 0 and longer and thick <= COINCIDENT * gap, n
+            if step == 0 and longer and thick <= COINCIDENT * gap:
+                return FOLD, n
+            near = order_at_tip(pcp, pi[i, CP0] + p, p, pi[j, CP0], q, gap, noise)
+            beyond = order_beyond_tip(work, p, q)
+            return CROSS if near * beyond < 0.0 and abs(beyond) > TIP_NOISE * noise else PART, n
         # The far halves are adjacent to nothing any more; a much shorter piece stays whole.
         im = 0.5 * (i0 + 1.0) if sa >= 0.25 * sb else i0
         jm = 0.5 * j1 if sb >= 0.25 * sa else j1
@@ -202,4 +282,4 @@ def plan_joint(
             n = plan(tasks, n, i, im, 1.0, j, jm, j1, 0.0, far)
         i0 = im
         j1 = jm
-    return False, n
+    return PART, n

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mat_core.model.curve import RationalBSpline
+from mat_core.model.healing import Note
 from mat_core.model.loop import BoundaryArrays, Frame, Outline
 from mat_core.model.problems import check
 from mat_core.model.reading import CONTROL_POINT_LIMIT
@@ -21,7 +22,7 @@ class Domain:
     Parameters
     ----------
     arrays : BoundaryArrays
-        The boundary in the input's own coordinates and orientation.
+        The boundary in the input's own coordinates and orientation, healed where it had to be.
     bbox : tuple of float
         Tight bounds (xmin, ymin, xmax, ymax) of the outer loop's curves, in the caller's unit.
     area : float
@@ -30,6 +31,10 @@ class Domain:
         Options of the request that were given: tolerance, step, method, check_step, smooth_angle, samples.
     name : str, optional
         The document's name for itself.
+    given : BoundaryArrays, optional
+        The boundary before it was healed; None if it is the same.
+    notes : tuple of Note
+        What was healed, each with a JSON pointer and a text; empty for most domains.
     """
 
     arrays: BoundaryArrays
@@ -37,6 +42,8 @@ class Domain:
     area: float
     options: dict[str, Any]
     name: str | None = None
+    given: BoundaryArrays | None = None
+    notes: tuple[Note, ...] = ()
 
     @classmethod
     def from_dict(cls, obj: object, *, max_control_points: int = CONTROL_POINT_LIMIT) -> Domain:
@@ -68,9 +75,11 @@ class Domain:
         >>> Domain.from_dict({"outer": sides})
         <Domain 1 loop, 4 edges, area 2, bbox (0, 0, 2, 1)>
         """
-        arrays, outline, options = check(obj, max_control_points)
+        found = check(obj, max_control_points)
+        arrays, outline = found.arrays, found.outline
         name = obj.get("name") if isinstance(obj, dict) else None
-        return cls(arrays, _bounds(arrays, outline), _area(outline), options, name)
+        given = None if found.given.cp is arrays.cp else found.given
+        return cls(arrays, _bounds(arrays, outline), _area(outline), found.options, name, given, found.notes)
 
     @property
     def size(self) -> float:
@@ -80,12 +89,13 @@ class Domain:
     @cached_property
     def outer(self) -> tuple[RationalBSpline, ...]:
         """The outer loop's edges, as given."""
-        return self.arrays.loop(0)
+        return (self.given or self.arrays).loop(0)
 
     @cached_property
     def holes(self) -> tuple[tuple[RationalBSpline, ...], ...]:
         """The holes' edges, as given."""
-        return tuple(self.arrays.loop(i) for i in range(1, len(self.arrays.loop_start) - 1))
+        given = self.given or self.arrays
+        return tuple(given.loop(i) for i in range(1, len(self.arrays.loop_start) - 1))
 
     def to_dict(self) -> dict[str, object]:
         """The domain in the form `from_dict` reads, knots always written out."""

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.kernels import outline as columns
-from mat_core.kernels.intersect import compare_closely, compare_joints, compare_pairs
+from mat_core.kernels.intersect import compare_closely, compare_joints
+from mat_core.kernels.nearby import TREE_CENTRE, TREE_WIDTH, compare_pairs, fill_tree
 from mat_core.kernels.outline import cut_gently, farthest, sector_areas
 from mat_core.model.curve import RationalBSpline
 
@@ -19,8 +20,12 @@ CUSP_BRANCHES = (
     10.0  # branches of y**2 = x**3 are a gap apart at x = gap**(2/3); a path of ten such x covers flatter ones
 )
 HIT_LIMIT = 256  # pairs of pieces reported; a scribble has millions
-TASKS_A_PIECE = 32  # pairs of pieces with interlocking hulls; sound domains have about one a piece
+TASKS_A_PART = 4  # pairs with interlocking hulls; where there are more, bent pieces are cut into flatter parts
+MOST_PARTS = 64  # of a piece
+TASKS_A_PIECE = 32  # when no cutting helps; sound domains have about one a piece
 TASK_LIMIT = 2_000_000  # of them in all
+CELL_BITS = 20
+CELLS = 1 << CELL_BITS  # of the Z-curve, along each axis of the unit square
 SUBDIVISIONS = (
     5_000_000  # of one whole check, some seconds; a tight but clean domain of 10,000 edges needs a few thousand
 )
@@ -55,13 +60,15 @@ class BoundaryArrays(NamedTuple):
 class Frame(NamedTuple):
     """Normalised coordinates: (input - origin) * scale, the size in [0.5, 1]; the scale is a power of two.
 
-    `gap`: the normalised distance below which two walls count as touching.
+    `gap`: the normalised distance below which two walls count as touching; `noise`: by how much a control point may be
+    off, by rounding or because it was moved to close a gap.
     """
 
     origin: tuple[float, float]
     scale: float
     size: float
     gap: float
+    noise: float
 
     def to_input(self, x: float, y: float) -> tuple[float, float]:
         """A normalised point in the caller's coordinates."""
@@ -85,24 +92,40 @@ class Outline(NamedTuple):
 
         Rows piece, t, piece, t, kind (`mat_core.kernels.intersect`); at most HIT_LIMIT of them.
         """
-        tree = box_tree(self.pf[:, columns.XMIN : columns.YMAX + 1])
+        if len(self.pi) == 0:
+            return np.empty((0, 5)), True
+        piece = neighbours_first(self)
+        part = np.tile((0.0, 1.0), (len(piece), 1))
+        bent = self.pi[:, columns.DEG] > 1
         pairs = np.empty((256, 2), dtype=np.int64)
         hits = np.empty((HIT_LIMIT, 5))
         counts = np.zeros(2, dtype=np.int64)
         gap = self.frame.gap
         limit = min(TASK_LIMIT, 64 + TASKS_A_PIECE * len(self.pi))
-        capacity = 64 + 2 * len(self.pi)
+        capacity = 64 + TASKS_A_PART * len(piece)
+        tree = box_tree(self, piece, part)
         while True:
             tasks = np.empty((capacity, 8))
             counts[:] = 0
-            compare_joints(self.pi, self.pf, self.cp, self.piece_start, gap, self.work, tasks, hits, counts)
+            compare_joints(
+                self.pi, self.pf, self.cp, self.piece_start, gap, self.frame.noise, self.work, tasks, hits, counts
+            )
             found, planned = counts.tolist()
             planned = compare_pairs(
-                self.pi, self.pf, self.cp, self.piece_start, gap, tree, pairs, self.work, tasks, planned
+                self.pi, self.pf, self.cp, self.piece_start, gap, piece, part, tree, pairs, self.work, tasks, planned
             )
-            if planned <= capacity or capacity >= limit:
+            if planned <= capacity:
                 break
-            capacity = min(4 * capacity, limit)
+            if len(piece) <= MOST_PARTS * len(self.pi) // 2 and bent.any():
+                leaves = tree[len(tree) // 2 :][: len(piece)]
+                order = np.argsort(z_codes(leaves[:, TREE_CENTRE]), kind="stable")
+                piece, part = halved(piece[order], part[order], bent[piece[order]])
+                tree = box_tree(self, piece, part)
+                capacity = 64 + TASKS_A_PART * len(piece)
+            elif capacity < limit:
+                capacity = min(4 * capacity, limit)
+            else:
+                break
         found = compare_closely(
             self.pi, self.cp, tasks, min(planned, capacity), gap, CUSP_BRANCHES * gap ** (2.0 / 3.0),
             self.work, self.stack, SUBDIVISIONS, hits, found,
@@ -128,40 +151,73 @@ class Outline(NamedTuple):
         return bounds[0], bounds[1], bounds[2], bounds[3]
 
 
-def box_tree(boxes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Boxes xmin, ymin, xmax, ymax of a complete binary tree over the rows given: root 1, children 2v and 2v + 1.
+def neighbours_first(outline: Outline) -> NDArray[np.int64]:
+    """The pieces (n,) in an order in which neighbours stand near each other: loop by loop, the loops along a Z-curve.
 
-    Leaf i is row `leaves + i`; an empty node has xmin = inf.
+    A loop's own pieces are in such an order already; its place in the document says nothing.
     """
-    leaves = 1 << max(0, len(boxes) - 1).bit_length()
-    tree = np.empty((2 * leaves, 4))
-    tree[leaves:, :2] = math.inf
-    tree[leaves:, 2:] = -math.inf
-    tree[leaves : leaves + len(boxes)] = boxes
-    while leaves > 1:
-        pairs = tree[leaves : 2 * leaves].reshape(-1, 2, 4)
-        leaves //= 2
-        np.minimum(pairs[:, 0, :2], pairs[:, 1, :2], out=tree[leaves : 2 * leaves, :2])
-        np.maximum(pairs[:, 0, 2:], pairs[:, 1, 2:], out=tree[leaves : 2 * leaves, 2:])
+    used = np.flatnonzero(np.diff(outline.piece_start) > 0)
+    first = outline.piece_start[used]
+    if len(used) < 3:
+        return np.arange(len(outline.pi))
+    low = np.minimum.reduceat(outline.pf[:, columns.XMIN : columns.XMAX], first, axis=0)
+    high = np.maximum.reduceat(outline.pf[:, columns.XMAX : columns.YMAX + 1], first, axis=0)
+    code = z_codes(0.5 * (low + high))
+    rank = np.empty(len(used), dtype=np.int64)
+    rank[np.argsort(code, kind="stable")] = np.arange(len(used))
+    return np.argsort(np.repeat(rank, np.diff(outline.piece_start)[used]), kind="stable")
+
+
+def z_codes(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Places (n,) of normalised points (n, 2) along a Z-curve."""
+    cells = ((points + 0.5) * (CELLS - 1)).astype(np.int64)
+    code = np.zeros(len(points), dtype=np.int64)
+    for bit in range(CELL_BITS):
+        code |= ((cells[:, 0] >> bit & 1) << 2 * bit) | ((cells[:, 1] >> bit & 1) << 2 * bit + 1)
+    return code
+
+
+def halved(
+    piece: NDArray[np.int64], part: NDArray[np.float64], bent: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """The bent parts in halves, the others as they are."""
+    copies = 1 + bent
+    middle = part.mean(axis=1)[bent]
+    piece, part = np.repeat(piece, copies), np.repeat(part, copies, axis=0)
+    first = (np.cumsum(copies) - copies)[bent]
+    part[first, 1] = part[first + 1, 0] = middle
+    return piece, part
+
+
+def box_tree(outline: Outline, piece: NDArray[np.int64], part: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The tree of `mat_core.kernels.nearby` over these parts (n,), (n, 2) of the pieces."""
+    leaves = 1 << max(0, len(piece) - 1).bit_length()
+    tree = np.empty((2 * leaves, TREE_WIDTH))
+    fill_tree(outline.pi, outline.cp, piece, part, outline.work, tree)
     return tree
 
 
-def frame_of(cp: NDArray[np.float64], largest: float) -> Frame:
-    """The frame of a set of control points (N, 2 or more); `largest` is the biggest coordinate in magnitude."""
+def frame_of(cp: NDArray[np.float64], largest: float, moved: float = 0.0) -> Frame:
+    """The frame of a set of control points (N, 2 or more).
+
+    `largest`: the biggest coordinate in magnitude; `moved`: the widest gap that is closed.
+    """
     low = cp[:, :2].min(axis=0)
     high = cp[:, :2].max(axis=0)
     size = float((high - low).max())
     centre = low + 0.5 * (high - low)
     scale = math.ldexp(1.0, -math.frexp(size)[1]) if size > 0.0 else 1.0
     gap = max(TOUCH * size, TOUCH_ULPS * math.ulp(largest)) * scale
-    return Frame((float(centre[0]), float(centre[1])), scale, size, gap)
+    noise = max(math.ulp(largest), moved) * scale
+    return Frame((float(centre[0]), float(centre[1])), scale, size, gap, noise)
 
 
 def outline_of(arrays: BoundaryArrays, use_loop: NDArray[np.int64], frame: Frame) -> Outline:
-    """Cut the loops marked in `use_loop` (L,) into gentle pieces. Assumes sound edges."""
+    """Cut the loops marked in `use_loop` (L,) into gentle pieces; one too small for any has none. Assumes sound edges."""
     cp = arrays.cp.copy()
-    cp[:, 0] = (cp[:, 0] - frame.origin[0]) * frame.scale
-    cp[:, 1] = (cp[:, 1] - frame.origin[1]) * frame.scale
+    with np.errstate(invalid="ignore", over="ignore"):  # loops not in use may be anywhere
+        cp[:, 0] = (cp[:, 0] - frame.origin[0]) * frame.scale
+        cp[:, 1] = (cp[:, 1] - frame.origin[1]) * frame.scale
     spans = np.diff(arrays.cp_start) - arrays.degree
     total = int(spans.sum()) + 8
     rows = spans * (arrays.degree + 1)
@@ -183,8 +239,11 @@ def outline_of(arrays: BoundaryArrays, use_loop: NDArray[np.int64], frame: Frame
             break
         factor *= 4
     pi, pf = pi[:n], pf[:n]
-    used = int(pi[-1, columns.CP0] + pi[-1, columns.DEG]) + 1
-    measures = measure(pi, pf, pcp[:used], piece_start, stack)
+    if n > 0:
+        used = int(pi[-1, columns.CP0] + pi[-1, columns.DEG]) + 1
+        measures = measure(pi, pf, pcp[:used], piece_start, stack)
+    else:
+        measures = np.zeros((len(piece_start) - 1, 2))
     return Outline(frame, pi, pf, pcp, piece_start, measures, work, stack)
 
 

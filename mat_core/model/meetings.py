@@ -24,7 +24,8 @@ from mat_core.kernels.bezier import point
 from mat_core.kernels.joints import place_on
 from mat_core.model.flattening import second_opinion
 from mat_core.model.loop import Outline
-from mat_core.model.reading import Draft, edge_pointer, loop_pointer
+from mat_core.model.reading import Draft
+from mat_core.model.values import edge_pointer, loop_pointer
 
 RADII = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)  # normalised
 CLEAR = 8.0  # gaps by which branches must part on a circle to be put in order
@@ -63,7 +64,7 @@ def find_meetings(outline: Outline) -> tuple[list[Meeting], bool]:
         if per_edges.get(edges, 0) >= PER_EDGES or _seen(near, loops, x, y):
             continue
         per_edges[edges] = per_edges.get(edges, 0) + 1
-        crosses = kind == intersect.MEET and branches_cross(outline, (i, j), (s, t))
+        crosses = kind == intersect.TIP or (kind == intersect.MEET and branches_cross(outline, (i, j), (s, t)))
         meetings.append(Meeting(loops, (i, j), (s, t), (x, y), int(kind), crosses))
     return meetings, complete
 
@@ -209,6 +210,11 @@ def _describe(outline: Outline, draft: Draft, meeting: Meeting) -> Problem:
         text = f"{this} and {that} run back along each other {where}; a boundary must not double back"
     elif meeting.kind == intersect.UNDECIDED:
         text = f"{this} and {that} are too near to each other to be told apart {where}; move them apart"
+    elif meeting.kind == intersect.TIP:
+        text = (
+            f"{this} crosses {that} in the tip of the cusp {where}; "
+            "let both leave the tip on the sides they have farther on, or along one tangent"
+        )
     elif meeting.crosses:
         text = f"{this} crosses {that} {where}; boundaries must not cross"
     else:

@@ -18,7 +18,7 @@ from mat_core.kernels.bezier import point, restrict
 from mat_core.model.flattening import flatten
 from mat_core.model.loop import Outline
 from mat_core.model.meetings import Meeting
-from mat_core.model.reading import loop_pointer
+from mat_core.model.values import loop_pointer
 
 ROUNDING = 1e-13  # normalised: of the polygons' corners, with much to spare
 

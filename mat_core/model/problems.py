@@ -3,6 +3,7 @@
     1. form        types, keys, counts                          mat_core.model.reading
     2. splines     finite, clamped, positive weights, one piece  mat_core.model.splines
     3. joins       each edge begins where the last one ended     join_problems
+                   what is too small to matter is put right      mat_core.model.healing
     4. meetings    no loop meets itself or another               mat_core.model.meetings
     5. area        each loop encloses some                       area_problems
     6. nesting     holes inside, no hole in a hole               mat_core.model.nesting
@@ -20,11 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.errors import InvalidDomain, Problem
-from mat_core.model.loop import BoundaryArrays, Frame, Outline, frame_of, outline_of
+from mat_core.model.healing import Note, joined_ends, shrink_specks
+from mat_core.model.loop import TOUCH, BoundaryArrays, Frame, Outline, frame_of, outline_of
 from mat_core.model.meetings import Meeting, find_meetings, meeting_problems
 from mat_core.model.nesting import nesting_problems
-from mat_core.model.reading import Draft, edge_pointer, loop_name, loop_pointer, read
+from mat_core.model.reading import Draft, read
 from mat_core.model.splines import LARGEST, spline_problems
+from mat_core.model.values import edge_pointer, loop_name, loop_pointer
 
 CODES = {
     "invalid-request": "the document's form: a wrong type, a missing or unknown key, an option out of range",
@@ -48,6 +51,7 @@ SMALLEST = 1e-150  # size of a domain, likewise
 COARSEST = 1e4  # units in the last place across the domain: with fewer the input is rounding, not shape
 JOIN = 1e-10  # of the size: ends no farther apart are one point
 JOIN_ULPS = 8.0  # of the largest coordinate: what transforms of the input leave
+SHAPELESS = 4e-15  # of the size: what normalised coordinates cannot hold
 FLATTEST = 4.0  # gaps of mean width below which a loop has no area
 PROBLEM_LIMIT = 1000
 
@@ -56,8 +60,10 @@ class Checked(NamedTuple):
     """A domain that kept all rules."""
 
     arrays: BoundaryArrays
+    given: BoundaryArrays  # before anything was healed; the same object when nothing was
     outline: Outline
     options: dict[str, Any]
+    notes: tuple[Note, ...]
 
 
 def check(obj: object, limit: int) -> Checked:
@@ -87,19 +93,25 @@ def check(obj: object, limit: int) -> Checked:
         raise InvalidDomain(problems)
     largest = _largest_coordinate(arrays.cp)
     sound = np.ones(len(arrays.degree), dtype=np.bool_)
-    join = _join_distance(arrays.cp, largest)
-    problems.extend(spline_problems(draft, JOIN_ULPS * math.ulp(largest), join, sound))
+    size = _size(arrays.cp)
+    rounding = JOIN_ULPS * math.ulp(largest)
+    join = max(JOIN * size, rounding)
+    problems.extend(spline_problems(draft, max(SHAPELESS * size, rounding), join, sound))
     use = draft.whole.copy()
-    problems.extend(join_problems(draft, sound, join, use))
+    gaps = end_gaps(arrays)
+    problems.extend(join_problems(draft, sound, gaps, join, use))
     if use.any():
+        arrays, notes = shrink_specks(draft, use, max(TOUCH * size, rounding), join)
         used_rows = np.repeat(use.astype(np.bool_), np.diff(arrays.cp_start[arrays.loop_start]))
-        frame = frame_of(arrays.cp[used_rows], largest)
+        closed = np.where(np.repeat(use.astype(np.bool_), np.diff(arrays.loop_start)), gaps, 0.0)
+        frame = frame_of(arrays.cp[used_rows], largest, float(closed.max()))
         too_fine = range_problem(frame, largest)
         if too_fine is not None:
             raise InvalidDomain([*_sorted(problems), too_fine])
         outline = outline_of(arrays, use, frame)
+        vanished = set(np.flatnonzero(use.astype(np.bool_) & (np.diff(outline.piece_start) == 0)).tolist())
         meetings, complete = find_meetings(outline)
-        flat = set(flat_loops(outline, meetings))
+        flat = vanished | set(flat_loops(outline, meetings))
         problems.extend(area_problems(flat))
         problems.extend(meeting_problems(outline, draft, meetings, flat))
         problems.extend(nesting_problems(outline, meetings, flat))
@@ -113,7 +125,8 @@ def check(obj: object, limit: int) -> Checked:
         raise InvalidDomain(_sorted(problems))
     runs_left = outline.measures[:, 0] > 0.0
     runs_left[1:] = ~runs_left[1:]
-    return Checked(arrays._replace(reversed=~runs_left), outline, draft.options)
+    notes.extend(joined_ends(draft, gaps))
+    return Checked(arrays._replace(reversed=~runs_left), draft.arrays, outline, draft.options, tuple(notes))
 
 
 def _sorted(problems: list[Problem]) -> list[Problem]:
@@ -131,11 +144,10 @@ def _largest_coordinate(cp: NDArray[np.float64]) -> float:
     return float(magnitudes.max(initial=0.0, where=magnitudes <= LARGEST))
 
 
-def _join_distance(cp: NDArray[np.float64], largest: float) -> float:
+def _size(cp: NDArray[np.float64]) -> float:
     usable = (np.abs(cp[:, :2]) <= LARGEST).all(axis=1)
     points = cp[usable, :2]
-    size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    return max(JOIN * size, JOIN_ULPS * math.ulp(largest))
+    return float(np.ptp(points, axis=0).max()) if len(points) else 0.0
 
 
 def range_problem(frame: Frame, largest: float) -> Problem | None:
@@ -155,20 +167,35 @@ def range_problem(frame: Frame, largest: float) -> Problem | None:
 # ------------------------------------------------------------------------------------------------------------ joins
 
 
-def join_problems(draft: Draft, sound: NDArray[np.bool_], join: float, use: NDArray[np.int64]) -> Iterator[Problem]:
+def following_edges(arrays: BoundaryArrays) -> NDArray[np.int64]:
+    """The edge after each one (E,), the first of the loop after its last."""
+    starts = arrays.loop_start
+    following = np.arange(1, len(arrays.degree) + 1)
+    filled = starts[1:] > starts[:-1]
+    following[starts[1:][filled] - 1] = starts[:-1][filled]
+    return following
+
+
+def end_gaps(arrays: BoundaryArrays) -> NDArray[np.float64]:
+    """By how much, along x or y, the end of each edge (E,) misses the start of the next; NaN where that is no number."""
+    ends = arrays.cp[arrays.cp_start[1:] - 1, :2]
+    begins = arrays.cp[arrays.cp_start[:-1], :2][following_edges(arrays)]
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray(np.abs(ends - begins).max(axis=1), dtype=np.float64)
+
+
+def join_problems(
+    draft: Draft, sound: NDArray[np.bool_], gaps: NDArray[np.float64], join: float, use: NDArray[np.int64]
+) -> Iterator[Problem]:
     """Each edge begins where the last one ended; clears `use` (L,) for open loops and those with an unsound edge."""
     arrays = draft.arrays
     starts = arrays.loop_start
-    count = len(arrays.degree)
     if not sound.all():
         use[np.unique(np.searchsorted(starts, np.flatnonzero(~sound), side="right") - 1)] = 0
-    following = np.arange(1, count + 1)
-    filled = starts[1:] > starts[:-1]
-    following[starts[1:][filled] - 1] = starts[:-1][filled]
+    following = following_edges(arrays)
     ends = arrays.cp[arrays.cp_start[1:] - 1, :2]
     begins = arrays.cp[arrays.cp_start[:-1], :2][following]
-    with np.errstate(invalid="ignore", over="ignore"):
-        apart = ~(np.abs(ends - begins).max(axis=1) <= join)
+    apart = ~(gaps <= join)
     for e in np.flatnonzero(apart & sound & sound[following]).tolist():
         loop, edge = draft.place_of(e)
         then = int(draft.edge_of[following[e]])
@@ -180,7 +207,8 @@ def join_problems(draft: Draft, sound: NDArray[np.bool_], join: float, use: NDAr
         (x, y), (bx, by) = ends[e].tolist(), begins[e].tolist()
         text = (
             f"{loop_name(loop)} is open: edge {edge} ends at ({x:.17g}, {y:.17g}) but edge {then} begins at "
-            f"({bx:.17g}, {by:.17g}), {math.hypot(bx - x, by - y):.3g} away; ends must meet within {join:.3g}"
+            f"({bx:.17g}, {by:.17g}), {math.hypot(bx - x, by - y):.3g} away; ends must meet within {join:.3g}: "
+            "give both the same point, or the edge that is missing between them"
         )
         u = float(arrays.knots[arrays.knot_start[e + 1] - 1])
         yield Problem("open-loop", edge_pointer(loop, edge), text, loop, edge, u, x, y, edge_pointer(loop, then))

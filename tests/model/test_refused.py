@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from tests.model.builders import (
     SQUARE,
     Json,
+    accept,
     backwards,
     bezier,
     circle,
     codes,
+    mapped,
     polygon,
     problems_of,
     rectangle,
@@ -191,6 +195,28 @@ def test_a_straight_curve_that_overshoots() -> None:
     assert {p.pointer for p in found} == {"/outer/0"}
 
 
+@pytest.mark.parametrize("turn", [0.0, 0.3, 2.7])
+@pytest.mark.parametrize("slip", [1e-3, 1e-5, 1e-6, 1e-8, 1e-10])
+def test_cusp_branches_that_cross_near_the_tip(slip: float, turn: float) -> None:
+    """The handles at the tip stand on the wrong sides: by tangents, beside a straight wall, by curvature."""
+    wall = bezier((1, 1), (1, -1))
+    lower = bezier((1, 1), (1, 0)), bezier((1, 0), (0, 0))
+    loops = [
+        [bezier((0, 0), (0.5, -slip), (1, 1)), wall, bezier((1, -1), (0.5, slip), (0, 0))],
+        [bezier((0, 0), (0.5, -slip), (1, 1)), *lower],
+        [bezier((0, 0), (1 / 3, 0), (2 / 3, -slip), (1, 1)), wall, bezier((1, -1), (2 / 3, slip), (1 / 3, 0), (0, 0))],
+    ]
+    for loop in loops:
+        (problem,) = refuse(mapped(loop, 2.0, turn=turn))
+        assert problem.code == "self-intersection"
+        assert "crosses" in problem.message
+        assert {problem.pointer, problem.other} == {"/outer/0", f"/outer/{len(loop) - 1}"}
+        assert math.hypot(problem.x, problem.y) < 10 * math.sqrt(slip)
+    # The same handles on the right sides, and on neither.
+    for good in (bezier((0, 0), (0.5, slip), (1, 1)), bezier((0, 0), (0.5, 0), (1, 1))):
+        accept(mapped([good, *lower], 2.0, turn=turn))
+
+
 @pytest.mark.parametrize("handle", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 def test_a_cubic_with_a_small_curl(handle: float) -> None:
     curl = bezier((0, 0), (1 + handle, 1), (-handle, 1), (1, 0))
@@ -245,3 +271,14 @@ def test_problems_of_several_loops_come_together() -> None:
         ("empty-domain", "/holes/2"),
         ("open-loop", "/holes/3/1"),
     ]
+
+
+@pytest.mark.parametrize("weight", [1e4, 1e8, 1e12])
+def test_crossings_where_a_curve_runs_faster_than_floats_can_follow(weight: float) -> None:
+    """The curve leaves its first point and is half way to its apex at u = 1 / weight."""
+    outer = [bezier((0, 0), (1, 2), (2, 0), weights=[1, weight, 1]), bezier((2, 0), (0, 0))]
+    other = [bezier((0.2, 0.9), (0.6, 0.7), (0.9, 0.9), weights=[1, weight, 1]), bezier((0.9, 0.9), (0.2, 0.9))]
+    found = refuse(outer, other)
+    assert codes(found) == {"loops-cross"}
+    assert all(0 < problem.x < 1 and 0.7 < problem.y <= 1 for problem in found)
+    accept(outer, [bezier((0.7, 0.9), (0.8, 0.7), (0.9, 0.9), weights=[1, weight, 1]), bezier((0.9, 0.9), (0.7, 0.9))])
