@@ -37,9 +37,12 @@ class Tolerances:
 
 
 LADDER = (
-    # what a clean drawing needs, then the same for ties and joints told apart as finely as rounding allows
+    # what a clean drawing needs, then the same with ties told apart as finely as rounding allows
     Tolerances(),
     Tolerances(same_disc=1e-14, same_crossed=1e-12, tie=1e-13, same_node=1e-13),
+    # nearly equal discs are one: inputs with noise of the size of these tolerances
+    Tolerances(same_crossed=1e-8),
+    Tolerances(same_disc=1e-10, same_crossed=1e-8, tie=1e-9, same_node=1e-9),
     # nothing smoothed: joints that turn by little are corners with branches of their own
     Tolerances(smooth=1e-13),
     Tolerances(smooth=1e-13, same_disc=1e-15, same_crossed=1e-13, tie=1e-15, same_node=1e-14),
@@ -48,8 +51,5 @@ LADDER = (
     Tolerances(smooth=1e-12, rounding=1e-13),
     Tolerances(smooth=1e-11, rounding=1e-12),
     Tolerances(smooth=1e-10, rounding=1e-11, same_disc=1e-10, same_crossed=1e-10, tie=1e-10, same_node=1e-10),
-    # nearly equal discs are one: inputs with noise of the size of these tolerances
-    Tolerances(same_crossed=1e-8),
-    Tolerances(same_disc=1e-10, same_crossed=1e-8, tie=1e-9, same_node=1e-9),
     Tolerances(same_disc=1e-8, same_crossed=1e-6, tie=1e-7, same_node=1e-8),
 )

@@ -81,6 +81,8 @@ from mat_core.kernels.layout import (
 from mat_core.model.domain import Domain
 from mat_core.tolerances import Tolerances
 
+KINK = 32.0  # roundings by which a joint may turn, radians, without anything being meant by it
+
 
 class SiteTable(NamedTuple):
     """Sites of a domain in normalised coordinates, (input - origin) * scale, so that the larger side is in [0.5, 1].
@@ -326,6 +328,7 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     scale = 2.0 ** -math.frexp(max(xmax - xmin, ymax - ymin))[1]
     magnitude = max(abs(xmin), abs(xmax), abs(ymin), abs(ymax)) * scale
     rounding = tolerances.rounding * max(1.0, magnitude)
+    smooth_angle = max(smooth_angle, KINK * rounding)
 
     spans = np.maximum(np.diff(a.cp_start) - a.degree, 1)
     most = int(np.max(np.diff(a.cp_start) * (a.degree + 1)))
