@@ -46,6 +46,7 @@ from mat_core.kernels.layout import (
 NEWTON_STEPS = 60
 CAP_STEPS = 48  # halvings of a piece until the turn of D is clear
 CONCENTRIC = 1e-14  # a disc this near to an arc's centre, relative to its radius, touches it anywhere
+FLAT = 1e-14  # relative difference of two values of phi that says nothing
 CANCELLED = 0.1  # below this share left over, a difference has lost a digit
 
 
@@ -308,7 +309,8 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
             break
     x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
     phi = through_point(x - dpx, y - dpy, nx, ny)
-    if phi >= best:
+    # phi is flat there: an end close by is not better than rounding makes it
+    if phi >= best - FLAT * abs(best):
         return phi, s
     return best, s_best
 

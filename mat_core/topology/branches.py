@@ -26,6 +26,8 @@ from mat_core.kernels.disc import touch_from
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import (
     ARC,
+    CONVEX_VERTEX,
+    CORNER,
     FAN,
     K0,
     KIND,
@@ -61,13 +63,15 @@ def _touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie):
     """`touch_from` against one arc of the face.
 
     A reflex vertex is the end of a piece and its fan at once: the piece yields to the fan where it is touched at that end, the
-    fan to the piece where none of its own normals points at the centre.
+    fan to the piece where none of its own normals points at the centre. No disc touches a convex vertex: there both pieces yield
+    to whatever is touched properly.
     """
     j = w_i[arc, 0]
     phi, sj = touch_from(si, sf, cp, site, s, j, w_f[arc, 0], w_f[arc, 1])
     if phi > 0.0 and (sj <= 0.0 or sj >= 1.0):
         beyond = si[j, PREV] if sj <= 0.0 else si[j, NEXT]
-        if si[j, KIND] == FAN or si[beyond, KIND] == FAN:
+        corner = si[j if sj <= 0.0 else beyond, CORNER] == CONVEX_VERTEX
+        if corner or si[j, KIND] == FAN or si[beyond, KIND] == FAN:
             phi *= 1.0 - YIELD * tie
     return phi, sj
 
