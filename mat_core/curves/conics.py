@@ -40,6 +40,7 @@ K_LINE, K_PARABOLA, K_HYPERBOLA, K_ELLIPSE, K_FREEFORM = range(5)
 
 MAX_TURN = 1.75  # radians (100 degrees) a single quadratic may turn by: keeps its weights above 0.6 for circles
 SAME_RADIUS = 1e-12  # two radii nearer than this, relative, give a straight bisector: its bulge would be as small
+EXACT = 1e-13  # an error this small is rounding
 FLAT_APEX = 1e-3  # least slope dQ/dr used to turn a residual into a length; only matters at the apex of a cone
 
 
@@ -97,9 +98,15 @@ def conic_kind(si: Ints, sf: Floats, a: int, b: int) -> int:
 def _residual(
     px: float, py: float, nx: float, ny: float, kappa: float, sigma: float, x: float, y: float, r: float
 ) -> float:
-    """How far the disc (x, y, r) is from touching a side, by radius."""
+    """How far the disc (x, y, r) is from touching a side."""
     gx = x - px
     gy = y - py
+    if abs(kappa) == 1.0:
+        # a point, or an arc about p + n sigma / kappa, which the disc touches from inside when kappa > 0
+        gx -= nx * sigma * kappa
+        gy -= ny * sigma * kappa
+        wanted = sigma - r if kappa > 0.0 and sigma > 0.0 else r - sigma * kappa
+        return abs(math.sqrt(gx * gx + gy * gy) - wanted)
     q = kappa * (gx * gx + gy * gy - r * r) - 2.0 * sigma * (gx * nx + gy * ny - r)
     return abs(q) / max(2.0 * abs(sigma - kappa * r), FLAT_APEX)
 
@@ -155,19 +162,28 @@ def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floa
         cp[row + 2, m] = p2[m]
     cp[row, 3] = 1.0
     cp[row + 2, 3] = 1.0
-    cp[row + 1, 0] = mx + ex
-    cp[row + 1, 1] = my + ey
-    cp[row + 1, 2] = mr + er
-    cp[row + 1, 3] = w
-    error = 0.0
-    for m in range(1, 4):
-        t = 0.25 * m
-        u = (1.0 - t) * (1.0 - t)
-        v = 2.0 * t * (1.0 - t) * w
-        total = u + v + t * t
-        x = mx + (v * ex + (t * t - u) * dx) / total
-        y = my + (v * ey + (t * t - u) * dy) / total
-        r = mr + (v * er + (t * t - u) * dr) / total
-        error = max(error, _residual(px, py, nx, ny, kappa, sigma, x, y, r))
-        error = max(error, _residual(qx, qy, ox, oy, lam, tau, x, y, r))
-    return error
+    best = math.inf
+    for _ in range(2):
+        # discs that all touch nearly one point lie nearly on a line, and e is nearly 0/0: then the line itself is tried
+        error = 0.0
+        for m in range(1, 4):
+            t = 0.25 * m
+            u = (1.0 - t) * (1.0 - t)
+            v = 2.0 * t * (1.0 - t) * w
+            total = u + v + t * t
+            x = mx + (v * ex + (t * t - u) * dx) / total
+            y = my + (v * ey + (t * t - u) * dy) / total
+            r = mr + (v * er + (t * t - u) * dr) / total
+            error = max(error, _residual(px, py, nx, ny, kappa, sigma, x, y, r))
+            error = max(error, _residual(qx, qy, ox, oy, lam, tau, x, y, r))
+        if error < best:
+            best = error
+            cp[row + 1, 0] = mx + ex
+            cp[row + 1, 1] = my + ey
+            cp[row + 1, 2] = mr + er
+            cp[row + 1, 3] = w
+        if best <= EXACT:
+            break
+        ex = ey = er = 0.0
+        w = 1.0
+    return best
