@@ -128,10 +128,11 @@ def find_anew(t: SiteTable, skeleton: Discs) -> Found:
     frames_at(t.si, t.sf, t.cp, site, s, frame)
     found = np.empty((len(rows), 3))
     partner = np.empty((len(rows), 4))
-    balls(t.si, t.sf, t.cp, frame, other, interval, found, s, partner)
+    other_s = np.empty(len(rows))
+    balls(t.si, t.sf, t.cp, site, s, frame, other, interval, found, other_s, partner)
     lost = ~(found[:, 2] < np.inf)
     found[lost, :2] = frame[lost, :2]
-    return Found(right, rows, found, other, s, partner)
+    return Found(right, rows, found, other, other_s, partner)
 
 
 def check_discs(disc: Floats, depth: Floats, slack: Floats, report: Report) -> None:

@@ -30,6 +30,8 @@ from mat_core.kernels.layout import (
     TX1,
     TY0,
     TY1,
+    V0,
+    V1,
     X0,
     X1,
     Y0,
@@ -374,8 +376,20 @@ def distances(si, sf, cp, site, interval, disc, distance):
 
 
 @jit
-def balls(si, sf, cp, frame, other, interval, disc, foot_s, partner):
-    """Discs tangent at given footpoints that touch a part of another site, by a shrinking ball.
+def _common_vertex(si, sf, i, s, j, x, y):
+    """The point that distances between (i, s) and site j are best taken from: a vertex of both, else (x, y)."""
+    start = si[j, V0] == si[i, V0] or si[j, V1] == si[i, V0]
+    end = si[j, V0] == si[i, V1] or si[j, V1] == si[i, V1]
+    if end and (s > 0.5 or not start):
+        return sf[i, X1], sf[i, Y1]
+    if start:
+        return sf[i, X0], sf[i, Y0]
+    return x, y
+
+
+@jit
+def balls(si, sf, cp, site, site_s, frame, other, interval, disc, foot_s, partner):
+    """Discs tangent at footpoints `site_s` on `site` that touch a part of another site, by a shrinking ball.
 
     frame rows: x, y, tx, ty of the footpoints; other: the sites; interval rows: lo, hi there, first radius. Fills
     `disc` with rows x, y, r (r = inf if there is none), `foot_s` and rows x, y, tx, ty of `partner` with the other
@@ -383,6 +397,8 @@ def balls(si, sf, cp, frame, other, interval, disc, foot_s, partner):
     """
     for n in range(other.shape[0]):
         j = other[n]
+        ox, oy = _common_vertex(si, sf, site[n], site_s[n], j, frame[n, 0], frame[n, 1])
+        ax, ay, vx, vy, k, speed = evaluate(si, sf, cp, site[n], site_s[n], ox, oy)
         lo = interval[n, 0]
         hi = interval[n, 1]
         px = frame[n, 0]
@@ -399,7 +415,9 @@ def balls(si, sf, cp, frame, other, interval, disc, foot_s, partner):
             for attempt in range(3 if si[j, KIND] == SPIRAL else 1):
                 guess = lo + 0.5 * attempt * (hi - lo)
                 at = foot(si, sf, cp, j, lo, hi, px - r * ty, py + r * tx, guess)[1]
-                dx, dy, vx, vy, k, speed = evaluate(si, sf, cp, j, at, px, py)
+                bx, by, vx, vy, k, speed = evaluate(si, sf, cp, j, at, ox, oy)
+                dx = bx - ax
+                dy = by - ay
                 ahead = 2.0 * (tx * dy - ty * dx)
                 if ahead * min(new, LARGEST) > dx * dx + dy * dy:
                     new = (dx * dx + dy * dy) / ahead

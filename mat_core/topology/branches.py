@@ -51,9 +51,10 @@ from mat_core.topology.discs import K_LOW, NO_PARTNER, OK, TOO_SMALL
 
 ROOT_STEPS = 120
 YIELD = 4.0  # ties
-CONCENTRIC = 1e-14  # a centre this near to an arc's, relative to its radius, has no nearest point there
+CONCENTRIC = 1e-6  # a centre this near to that of curvature, relative to its radius, moves its nearest point by rounding alone
 FOOT_STEPS = 40
 POLISH_STEPS = 6
+SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
 CURVED = 8.0  # a curved arc is walked along rather than a straight one this much longer: its partners are better told apart
 PARALLEL = 1e-7  # determinant of three contact directions below which a disc is not polished
 
@@ -203,7 +204,7 @@ def _length(si, sf, disc, w_i, w_f, arc):
 
 @jit
 def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
-    """Parameter in [lo, hi] of the point of site i nearest to (cx, cy); on a SPIRAL by Newton from s, kept in a bracket."""
+    """Parameter in [lo, hi] of the point of site i nearest to (cx, cy), from s on; s itself near a centre of curvature."""
     kind = si[i, KIND]
     dx = cx - sf[i, X0]
     dy = cy - sf[i, Y0]
@@ -219,7 +220,7 @@ def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
         ux = sf[i, K0] * dx + ty
         uy = sf[i, K0] * dy - tx
         if ux * ux + uy * uy < CONCENTRIC * CONCENTRIC:
-            return 0.5 * (lo + hi)
+            return min(max(s, lo), hi)
         turned = math.atan2(ty * uy + tx * ux, ty * ux - tx * uy) / sf[i, SWEEP]
         period = abs(2.0 * math.pi / sf[i, SWEEP])
         if turned < 0.5 - 0.5 * period:
@@ -235,7 +236,10 @@ def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
             b = s
         else:
             a = s
-        slope = x1 * x1 + y1 * y1 + x * x2 + y * y2
+        speed = x1 * x1 + y1 * y1
+        slope = speed + x * x2 + y * y2
+        if abs(slope) < CONCENTRIC * speed:
+            break
         new = s - g / slope if slope > 0.0 else 0.5 * (a + b)
         if not a < new < b:
             new = 0.5 * (a + b)
@@ -270,25 +274,29 @@ def _polish(si, sf, cp, site, s, lo, hi, disc, d):
         d2 = math.sqrt(q2x * q2x + q2y * q2y)
         if d0 == 0.0 or d1 == 0.0 or d2 == 0.0:
             return
-        if step > 0:
-            miss = max(d0, d1, d2) - min(d0, d1, d2)
-            if not miss < 0.5 * best:
+        miss = max(d0, d1, d2) - min(d0, d1, d2)
+        if step == 0:
+            if miss <= SETTLED:
+                for m in range(3):
+                    s[m] = _foot(si, sf, cp, site[m], s[m], lo[m], hi[m], cx, cy)
                 return
-            best = miss
-            disc[d, 0] = cx
-            disc[d, 1] = cy
-            disc[d, 2] = (d0 + d1 + d2) / 3.0
-            s[0] = f0
-            s[1] = f1
-            s[2] = f2
+            # the feet may be far off on parts that are nearly concentric with the disc: they are found first
+            best = miss + SETTLED
+            continue
+        if not miss < best:
+            return
+        best = 0.5 * miss
+        disc[d, 0] = cx
+        disc[d, 1] = cy
+        disc[d, 2] = (d0 + d1 + d2) / 3.0
+        s[0] = f0
+        s[1] = f1
+        s[2] = f2
         ax = q1x / d1 - q0x / d0
         ay = q1y / d1 - q0y / d0
         bx = q2x / d2 - q0x / d0
         by = q2y / d2 - q0y / d0
         det = ax * by - ay * bx
-        if step == 0:
-            # the feet may be far off on parts that are nearly concentric with the disc: then they are found first
-            continue
         if abs(det) < PARALLEL:
             return
         e = d1 - d0

@@ -72,7 +72,8 @@ def test_ball_between_two_lines() -> None:
     s = np.empty(1)
     partner = np.empty((1, 4))
     for start in (0.0, 1e-9, 0.1, 100.0):
-        balls(table.si, table.sf, table.cp, frame, np.array([2]), np.array([[0.0, 1.0, start]]), disc, s, partner)
+        interval = np.array([[0.0, 1.0, start]])
+        balls(table.si, table.sf, table.cp, np.array([0]), np.array([0.5]), frame, np.array([2]), interval, disc, s, partner)
         assert disc[0, 2] == pytest.approx(0.5 * table.scale, abs=1e-15)
         assert s[0] == pytest.approx(0.5, abs=1e-15)
 
