@@ -155,6 +155,8 @@ def _root_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
         at, phi, s_right, s_0 = _root(si, sf, cp, i, lo, hi, w_i, w_f, right, 0, tie)
     else:
         at, phi, s_0, s_right = _root(si, sf, cp, i, lo, hi, w_i, w_f, 0, right, tie)
+    # where along the wall the disc lies the corner tells best, how large it is the opposite side
+    phi, s_0 = _touch_arc(si, sf, cp, i, at, w_i, w_f, 0, tie)
     if not K_LOW < phi < math.inf:
         return
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, i, at, 0.0, 0.0)
