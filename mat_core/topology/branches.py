@@ -334,6 +334,11 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
         lo = bracket_f[top, 0]
         hi = bracket_f[top, 1]
         s, phi, sl, sr = _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie)
+        # beside a vertex of both, phi is steep: the other one has the better value where they meet
+        beside_left = _common_end(si, site, w_i[left, 0]) >= 0
+        beside_right = _common_end(si, site, w_i[right, 0]) >= 0
+        if beside_left != beside_right:
+            phi = _touch_arc(si, sf, cp, site, s, w_i, w_f, right if beside_left else left, tie)[0]
         # both may lie behind the tangent at s, where a third arc wins: no disc is larger than K_LOW allows
         least = max(phi, K_LOW)
         better, arc = _best_between(si, sf, cp, site, s, w_i, w_f, right, left, least, tie)
