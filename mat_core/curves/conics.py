@@ -163,27 +163,27 @@ def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floa
     cp[row, 3] = 1.0
     cp[row + 2, 3] = 1.0
     best = math.inf
-    for _ in range(2):
-        # discs that all touch nearly one point lie nearly on a line, and e is nearly 0/0: then the line itself is tried
+    for attempt in range(2):
+        # discs that all touch nearly one point lie nearly on a line, and e is nearly 0/0: so the line itself is tried first
+        bulge = float(attempt)
+        weight = w if attempt == 1 else 1.0
         error = 0.0
         for m in range(1, 4):
             t = 0.25 * m
             u = (1.0 - t) * (1.0 - t)
-            v = 2.0 * t * (1.0 - t) * w
+            v = 2.0 * t * (1.0 - t) * weight
             total = u + v + t * t
-            x = mx + (v * ex + (t * t - u) * dx) / total
-            y = my + (v * ey + (t * t - u) * dy) / total
-            r = mr + (v * er + (t * t - u) * dr) / total
+            x = mx + (v * bulge * ex + (t * t - u) * dx) / total
+            y = my + (v * bulge * ey + (t * t - u) * dy) / total
+            r = mr + (v * bulge * er + (t * t - u) * dr) / total
             error = max(error, _residual(px, py, nx, ny, kappa, sigma, x, y, r))
             error = max(error, _residual(qx, qy, ox, oy, lam, tau, x, y, r))
         if error < best:
             best = error
-            cp[row + 1, 0] = mx + ex
-            cp[row + 1, 1] = my + ey
-            cp[row + 1, 2] = mr + er
-            cp[row + 1, 3] = w
+            cp[row + 1, 0] = mx + bulge * ex
+            cp[row + 1, 1] = my + bulge * ey
+            cp[row + 1, 2] = mr + bulge * er
+            cp[row + 1, 3] = weight
         if best <= EXACT:
             break
-        ex = ey = er = 0.0
-        w = 1.0
     return best
