@@ -54,6 +54,7 @@ YIELD = 4.0  # ties
 CONCENTRIC = 1e-6  # a centre this near to that of curvature, relative to its radius, moves its nearest point by rounding alone
 FOOT_STEPS = 40
 POLISH_STEPS = 6
+CLEARLY = 1e-6  # relative difference of curvatures seen across a nearly smooth corner that is no rounding
 SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
 CURVED = 8.0  # a curved arc is walked along rather than a straight one this much longer: its partners are better told apart
 PARALLEL = 1e-7  # determinant of three contact directions below which a disc is not polished
@@ -192,6 +193,20 @@ def _best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi, tie):
             best_arc = arc
             r = 1.0 / best
     return best, best_arc
+
+
+@jit
+def _seen_from(si, sf, cp, w_i, w_f, arc, s, between, phi, tie):
+    """phi over `phi` of the disc at s on one arc that touches `between`, which begins where the arc ends; 1 if it does not.
+
+    Two arcs that meet at a nearly smooth corner look alike from afar; seen from one of them, the other tells whether a disc
+    reaches it.
+    """
+    i = w_i[arc, 0]
+    if _common_end(si, i, w_i[between, 0]) < 0 or s <= 0.0 or s >= 1.0:
+        return 1.0
+    value, sj = _touch_arc(si, sf, cp, i, s, w_i, w_f, between, tie)
+    return value / phi
 
 
 @jit
@@ -358,6 +373,24 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
             bracket_f[top, 0] = lo
             bracket_f[top, 1] = s
             continue
+        beside = -1
+        if left - 1 > right and _seen_from(si, sf, cp, w_i, w_f, left, sl, left - 1, phi, tie) > 1.0 + CLEARLY:
+            beside = left - 1
+        elif left - 1 > right and _seen_from(si, sf, cp, w_i, w_f, right, sr, right + 1, phi, tie) > 1.0 + CLEARLY:
+            beside = right + 1
+        if beside >= 0:
+            if top + 2 >= bracket_i.shape[0]:
+                return TOO_SMALL, nodes
+            bracket_i[top, 0] = beside
+            bracket_i[top, 1] = right
+            bracket_f[top, 0] = s
+            bracket_f[top, 1] = hi
+            top += 1
+            bracket_i[top, 0] = left
+            bracket_i[top, 1] = beside
+            bracket_f[top, 0] = lo
+            bracket_f[top, 1] = s
+            continue
         top -= 1
         d = n_discs + nodes
         if d >= disc.shape[0] or n_contacts + left - right + 2 > contacts_i.shape[0]:
@@ -389,6 +422,10 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
             if box_distance_sq(disc[d, 0], disc[d, 1], sf[j, XMIN], sf[j, YMIN], sf[j, XMAX], sf[j, YMAX]) > limit * limit:
                 continue
             value, sj = _touch_arc(si, sf, cp, site, s, w_i, w_f, between, tie)
+            if between == left - 1 and abs(_seen_from(si, sf, cp, w_i, w_f, left, sl, between, phi, tie) - 1.0) > CLEARLY:
+                continue
+            if between == right + 1 and abs(_seen_from(si, sf, cp, w_i, w_f, right, sr, between, phi, tie) - 1.0) > CLEARLY:
+                continue
             if value >= phi * (1.0 - tie) and w_f[between, 0] < sj < w_f[between, 1]:
                 contacts_i[n_contacts] = between
                 contacts_s[n_contacts] = sj
