@@ -77,10 +77,12 @@ def medial_axis(
 
 def _solve(domain: Domain, tolerance: float, step: float | None, smooth_angle: float, tolerances: Tolerances) -> MedialAxis:
     """One rung of the ladder."""
-    table = build_sites(domain, min(smooth_angle, tolerances.smooth), tolerances)
+    smoothed = min(smooth_angle, tolerances.smooth)
+    table = build_sites(domain, smoothed, tolerances)
     skeleton, graph = build_graph(table, build_skeleton(table, tolerances), tolerances)
     axis = build_axis(domain, table, skeleton, graph, tolerance, step)
     certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain)
+    certificate["smooth_angle"] = smoothed
     if not certificate["passed"]:
         name, check = next((name, check) for name, check in certificate["checks"].items() if not check["passed"])
         place = tuple(check["place"]) if check.get("place") else None

@@ -168,6 +168,9 @@ class Certificate(Answer):
     """The proof that goes with the answer: each check with its measured figure and its limit."""
 
     passed: Literal[True]
+    smooth_angle: Annotated[
+        FiniteFloat, Field(ge=0, description="joints that turn by less, in radians, were smooth; at most the option's value")
+    ]
 
 
 class DomainFigures(Answer):

@@ -306,9 +306,10 @@ class Corner(NamedTuple):
 
 @dataclass(frozen=True)
 class Reference:
-    """The oracle of one domain, given as the JSON object of the contract."""
+    """The oracle of one domain, given as the JSON object of the contract; joints that turn by no more are smooth."""
 
     domain: dict[str, Any]
+    smooth_angle: float = CORNER
 
     @cached_property
     def loops(self) -> list[list[dict[str, Any]]]:
@@ -380,10 +381,10 @@ class Reference:
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         turn = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
         found = []
-        for i in np.nonzero(self.stalls & (np.abs(turn) <= CORNER))[0]:  # curvature +inf: a vertex of angle pi
+        for i in np.nonzero(self.stalls & (np.abs(turn) <= self.smooth_angle))[0]:  # curvature +inf: a vertex of angle pi
             normal = _left(before[i] * self.side[i])
             found.append(Corner(int(i), self.boundary.end[i], SMOOTH_TURN, normal, normal))
-        for i in np.nonzero(np.abs(turn) > CORNER)[0]:
+        for i in np.nonzero(np.abs(turn) > self.smooth_angle)[0]:
             angle, side = float(turn[i]), self.side[i]
             t_in, t_out = (before[i], after[i]) if side > 0 else (-after[i], -before[i])
             if abs(angle) > np.pi - 1e-3:  # a cusp: the domain decides which way it points
@@ -391,6 +392,16 @@ class Reference:
                 angle = abs(angle) * (-1.0 if self.inside(ahead[None])[0] else 1.0)
             found.append(Corner(int(i), self.boundary.end[i], angle, _left(t_in), _left(t_out)))
         return found
+
+    @cached_property
+    def flat_corners(self) -> Floats:
+        """(n, 2) places where the boundary turns left by too little for a corner, though by more than rounding."""
+        t0, t1 = self.ends
+        before, after = t1, t0[self.follow]
+        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        turn = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
+        flat: Floats = self.boundary.end[(turn > 1e-12) & (turn < 10 * CORNER)]
+        return flat
 
     @cached_property
     def stalls(self) -> NDArray[np.bool_]:

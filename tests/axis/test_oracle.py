@@ -40,7 +40,7 @@ def judge(domain: Json, answer: Json, tolerance: float = 1e-6) -> None:
     """Everything the oracle can say: discs, coverage, nodes, graph, and the number of leaves."""
     assert_axis(domain, answer, tolerance)
     assert answer["certificate"]["passed"] is True
-    leaves = count_leaves(Reference(domain))
+    leaves = count_leaves(Reference(domain, answer["certificate"]["smooth_angle"]))
     found = node_counts(answer)[0]
     assert leaves.certain <= found <= leaves.certain + leaves.doubtful
 

@@ -18,7 +18,7 @@ Json = dict[str, Any]
 def judge(domain: Json) -> None:
     answer = medial_axis(Domain.from_dict(domain)).to_dict()
     assert_axis(domain, answer, per_segment=5, per_edge=3)
-    leaves = count_leaves(Reference(domain))
+    leaves = count_leaves(Reference(domain, answer["certificate"]["smooth_angle"]))
     assert leaves.certain <= node_counts(answer)[0] <= leaves.certain + leaves.doubtful
 
 

@@ -111,7 +111,7 @@ def compared(domain: Json, answer: Json, outcome: Outcome) -> Outcome:
 
     sent = {"outer": domain["outer"], "holes": domain.get("holes", [])}
     faults = list(measure(sent, answer).problems)
-    leaves, found = count_leaves(Reference(sent)), node_counts(answer)[0]
+    leaves, found = count_leaves(Reference(sent, answer["certificate"]["smooth_angle"])), node_counts(answer)[0]
     if not leaves.certain <= found <= leaves.certain + leaves.doubtful:
         faults.append(f"leaves: {found}, but {leaves.certain} and {leaves.doubtful} doubtful ones by the oracle")
     told: Json = {**outcome.to_dict(), "oracle": True}
