@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.errors import NotCertified
-from mat_core.kernels.boxtree import STACK, build_tree, tree_rows
+from mat_core.kernels.boxtree import STACK, build_tree
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import ARC_CONTACT, LOOP, THROUGH, X0, Y0
@@ -102,8 +102,7 @@ def _find_discs(t: SiteTable, tolerances: Tolerances) -> tuple[NDArray[np.float6
     """Steps 1 to 3: (disc, kind, contact_site, contact_s, contact_disc), contacts in loop order."""
     n = len(t.si)
     n_loops = len(t.loop_start) - 1
-    tree = np.empty((tree_rows(n), 4))
-    build_tree(t.sf, tree)
+    tree = build_tree(t.si, t.sf, t.cp)
     stack = np.empty(STACK, dtype=np.int64)
     disc = np.empty((n + n_loops, 3))
     kind = np.empty(n, dtype=np.int64)
