@@ -230,7 +230,7 @@ def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
         np.empty(3), np.empty(3))
     if status != OK:
         raise failure(t, int(place), "a branch point was not found where three or more parts of the boundary meet")
-    by_disc = np.argsort(disc_of[:contacts], kind="stable")
+    by_disc = np.lexsort((contact_s[:contacts], contact_site[:contacts], disc_of[:contacts]))
     contact_start = np.searchsorted(disc_of[:contacts][by_disc], np.arange(discs + 1))
     all_kinds = np.concatenate((kind, np.full(discs - n_discs, THROUGH)))
     return Skeleton(grown[:discs], all_kinds, contact_start, contact_site[:contacts][by_disc], contact_s[:contacts][by_disc],
