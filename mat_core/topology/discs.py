@@ -195,7 +195,8 @@ def rightmost(si, sf, cp, first, last):
 
 
 @jit
-def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent, extra, extra_site):
+def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent, right, right_site, extra,
+                  extra_site):
     """Discs that join loops no joint disc joins; returns (status, how many).
 
     The disc at the rightmost point of a group of loops lies right of all of them, so it touches another group: after at most one
@@ -207,27 +208,28 @@ def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent
     for j in range(si.shape[0]):
         if kind[j] == THROUGH:
             unite(loop_parent, si[j, LOOP], si[winner[j], LOOP])
+    # the rightmost point of each group stands at its root
+    for loop in range(1, n_loops):
+        x, site, s = rightmost(si, sf, cp, loop_start[loop], loop_start[loop + 1])
+        right[loop, 0] = x
+        right[loop, 1] = s
+        right_site[loop] = site
+    for loop in range(1, n_loops):
+        _keep_rightmost(right, right_site, find(loop_parent, loop), loop)
     count = 0
-    for _ in range(n_loops):
-        for group in range(1, n_loops):
-            if find(loop_parent, group) != group:
-                continue
-            best = -math.inf
-            site = -1
-            s = 0.0
-            for loop in range(n_loops):
-                if find(loop_parent, loop) == group:
-                    x, i, si_ = rightmost(si, sf, cp, loop_start[loop], loop_start[loop + 1])
-                    if x > best:
-                        best = x
-                        site = i
-                        s = si_
+    for group in range(1, n_loops):
+        # until it hangs on a smaller one: in the end all hang on loop 0
+        while find(loop_parent, group) == group:
+            site = right_site[group]
+            s = right[group, 1]
             px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
             skip = si[site, PREV] if s == 0.0 else -1
             phi, w, sw = query(si, sf, cp, tree, stack, site, s, -ty, tx, skip, -1, K_LOW)
             if w < 0 or find(loop_parent, si[w, LOOP]) == group:
                 return NO_PARTNER, count
-            unite(loop_parent, group, si[w, LOOP])
+            other = find(loop_parent, si[w, LOOP])
+            unite(loop_parent, group, other)
+            _keep_rightmost(right, right_site, min(group, other), max(group, other))
             extra[count, 0] = px - ty / phi
             extra[count, 1] = py + tx / phi
             extra[count, 2] = 1.0 / phi
@@ -237,6 +239,15 @@ def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent
             extra_site[count, 1] = w
             count += 1
     return OK, count
+
+
+@jit
+def _keep_rightmost(right, right_site, root, member):
+    """The rightmost point of `member` becomes that of `root` if it lies further right; loop 0 needs none."""
+    if root > 0 and right[member, 0] > right[root, 0]:
+        right[root, 0] = right[member, 0]
+        right[root, 1] = right[member, 1]
+        right_site[root] = right_site[member]
 
 
 @jit
