@@ -28,10 +28,14 @@ GREEDY_STEPS = 64
 
 
 class Tree(NamedTuple):
-    """box (rows, 6): direction ux, uy; least and largest coordinate along it and across it. site (rows / 2,): -1 if empty."""
+    """box (rows, 6): direction ux, uy; least and largest coordinate along it and across it. site (rows / 2,): -1 if empty.
+
+    leaf (n,): row of each site's box.
+    """
 
     box: NDArray[np.float64]
     site: NDArray[np.int64]
+    leaf: NDArray[np.int64]
 
 
 def build_tree(si: NDArray[np.int64], sf: NDArray[np.float64], cp: NDArray[np.float64]) -> Tree:
@@ -49,7 +53,7 @@ def build_tree(si: NDArray[np.int64], sf: NDArray[np.float64], cp: NDArray[np.fl
     leaves = 1
     while leaves < len(si):
         leaves *= 2
-    tree = Tree(np.empty((2 * leaves, 6)), np.empty(leaves, dtype=np.int64))
+    tree = Tree(np.empty((2 * leaves, 6)), np.empty(leaves, dtype=np.int64), np.empty(len(si), dtype=np.int64))
     sort_sites(sf, tree.site, np.empty(len(si)), np.empty(len(si)))
     fill_boxes(si, sf, cp, tree)
     return tree
@@ -198,6 +202,7 @@ def fill_boxes(si, sf, cp, tree):
         _clear(box, v, 1.0, 0.0)
         if i < 0:
             continue
+        tree.leaf[i] = v
         dx = sf[i, X1] - sf[i, X0]
         dy = sf[i, Y1] - sf[i, Y0]
         length = math.sqrt(dx * dx + dy * dy)
@@ -243,10 +248,9 @@ def touch_candidate(si, sf, cp, i, j, px, py, d0x, d0y, d1x, d1y, nx, ny):
 
 
 @jit
-def _nearest_leaf(tree, cx, cy):
-    """The site that walking down to the nearer box leads to: near the point, seldom the nearest."""
+def _nearest_leaf(tree, v, cx, cy):
+    """The site that walking down from v to the nearer box leads to: near the point, seldom the nearest."""
     leaves = tree.site.shape[0]
-    v = 1
     while v < leaves:
         v *= 2
         if _distance_sq(tree.box, v + 1, cx, cy) < _distance_sq(tree.box, v, cx, cy):
@@ -277,13 +281,29 @@ def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
     limit = (r + ROUNDING) * (r + ROUNDING)
     cx = px + r * nx
     cy = py + r * ny
-    # shrink the disc greedily first: one that reaches across the domain would meet boundary everywhere
-    for _ in range(GREEDY_STEPS):
-        j = _nearest_leaf(tree, cx, cy)
-        if j < 0 or j == i or j == skip or j == hint or j == best_j:
-            break
-        phi, sj = touch_candidate(si, sf, cp, i, j, px, py, d0x, d0y, d1x, d1y, nx, ny)
+    # shrink the disc first, as one that reaches across the domain meets boundary everywhere: by what stands near p in the tree,
+    # then by what is near its centre
+    n = si.shape[0]
+    v = tree.leaf[i] if n > IN_LOOP_ORDER else 1
+    steps = 0
+    while steps < GREEDY_STEPS:
+        climbing = v > 1
+        if climbing:
+            side = v ^ 1
+            v //= 2
+            if _distance_sq(tree.box, side, cx, cy) >= limit:
+                continue
+            j = _nearest_leaf(tree, side, cx, cy)
+        else:
+            j = _nearest_leaf(tree, 1, cx, cy)
+        steps += 1
+        phi = -math.inf
+        sj = 0.0
+        if j >= 0 and j != i and j != skip and j != hint and j != best_j:
+            phi, sj = touch_candidate(si, sf, cp, i, j, px, py, d0x, d0y, d1x, d1y, nx, ny)
         if phi <= best:
+            if climbing:
+                continue
             break
         best = phi
         best_j = j
@@ -303,11 +323,15 @@ def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
         if _distance_sq(box, v, cx, cy) >= limit:
             continue
         if v < leaves:
-            near = 2 * v if _distance_sq(box, 2 * v, cx, cy) <= _distance_sq(box, 2 * v + 1, cx, cy) else 2 * v + 1
-            top += 1
-            stack[top] = 4 * v + 1 - near
-            top += 1
-            stack[top] = near
+            left = _distance_sq(box, 2 * v, cx, cy)
+            right = _distance_sq(box, 2 * v + 1, cx, cy)
+            near = 2 * v if left <= right else 2 * v + 1
+            if max(left, right) < limit:
+                top += 1
+                stack[top] = 4 * v + 1 - near
+            if min(left, right) < limit:
+                top += 1
+                stack[top] = near
             continue
         j = tree.site[v - leaves]
         if j == i or j == skip or j == hint or j == seen:
