@@ -69,9 +69,26 @@ def list_owned(skeleton: Discs) -> Owned:
     ends = np.concatenate((s[:, :2], s[:, [3, 2]], ws))
     # by the middle, so that ends that differ by rounding do not change the order
     order = np.lexsort((ends[:, 0] + ends[:, 1], rows[:, 0]))
+    place = np.stack((rows[order, 0], ends[order, 0], ends[order, 1]))
+    again = np.flatnonzero((place[:, 1:] == place[:, :-1]).all(axis=0) & (place[1, 1:] == place[2, 1:]))
+    for group in np.split(again, np.flatnonzero(np.diff(again) > 1) + 1) if len(again) else ():
+        members = order[group[0] : group[-1] + 2]
+        order[group[0] : group[-1] + 2] = _chained(members, rows[members, 1].tolist(), rows[members, 2].tolist())
     site, disc_lo, disc_hi = rows[order].T
     lo, hi = ends[order].T
     return Owned(site, lo, hi, disc_lo, disc_hi)
+
+
+def _chained(members: Ints, disc_lo: list[int], disc_hi: list[int]) -> Ints:
+    """Intervals of no length at one point, which have no order of their own, such that each begins at the disc the last one ended
+    at; as they were where that leaves some over."""
+    begun = {disc: k for k, disc in enumerate(disc_lo)}
+    k = next((k for k, disc in enumerate(disc_lo) if disc not in disc_hi), -1)
+    chain = []
+    while k >= 0 and len(chain) < len(members):
+        chain.append(k)
+        k = begun.get(disc_hi[k], -1)
+    return members[chain] if len(chain) == len(members) else members
 
 
 def _turn(ax: Floats, ay: Floats, bx: Floats, by: Floats) -> Floats:
