@@ -26,6 +26,7 @@ from mat_core.kernels.layout import (
     K0,
     K1,
     KIND,
+    LEN,
     LOOP,
     NEXT,
     PREV,
@@ -88,8 +89,11 @@ def _phi_noise(si, sf, cp, j, winner, s):
 
 
 @jit
-def joint_disc(si, sf, cp, tree, stack, j, hint, tie):
+def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     """(status, kind, x, y, r, winner, s): the maximal disc at the start of site j.
+
+    Row `whole` of `disc` is one that touches along an arc (-1: none is known yet): an arc on the same circle touches it, too.
+    Without it each tooth of a gear would ask all other teeth.
 
     kind THROUGH: it touches `winner` at s; VERTEX_LEAF; CURVATURE_LEAF; ARC_CONTACT: winner is 1 if the arc that starts here
     is in contact, 2 if the one that ends here, 3 if both are (one circle).
@@ -103,10 +107,15 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie):
     kl = sf[before, K1]
     kr = sf[j, K0]
     own = max(kl, kr)
-    phi, winner, s = query(si, sf, cp, tree, stack, j, 0.0, nx, ny, before, hint, K_LOW)
     left = kl >= own - 1e-9 * abs(own)
     right = kr >= own - 1e-9 * abs(own)
     arcs = (1 if right and si[j, KIND] == ARC else 0) + (2 if left and si[before, KIND] == ARC else 0)
+    if arcs > 0 and own > 0.0 and whole >= 0:
+        r = 1.0 / own
+        off = math.sqrt((px + r * nx - disc[whole, 0]) ** 2 + (py + r * ny - disc[whole, 1]) ** 2) + abs(r - disc[whole, 2])
+        if off <= 0.25 * tie * r:
+            return OK, ARC_CONTACT, px + r * nx, py + r * ny, r, arcs, 0.0
+    phi, winner, s = query(si, sf, cp, tree, stack, j, 0.0, nx, ny, before, hint, K_LOW)
     if arcs > 0 and own >= phi * (1.0 - tie):
         return OK, ARC_CONTACT, px + nx / own, py + ny / own, 1.0 / own, arcs, 0.0
     if own >= phi * (1.0 - OWN_RELATIVE) - _phi_noise(si, sf, cp, j, winner, s):
@@ -122,8 +131,11 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie):
 def all_joint_discs(si, sf, cp, tree, stack, tie, disc, kind, winner, winner_s):
     """`joint_disc` for every site's start; returns (status, joint)."""
     hint = -1
+    whole = -1
     for j in range(si.shape[0]):
-        status, kind[j], x, y, r, winner[j], winner_s[j] = joint_disc(si, sf, cp, tree, stack, j, hint, tie)
+        status, kind[j], x, y, r, winner[j], winner_s[j] = joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole)
+        if kind[j] == ARC_CONTACT:
+            whole = j
         disc[j, 0] = x
         disc[j, 1] = y
         disc[j, 2] = r
@@ -360,21 +372,98 @@ def _merge(parent, first, member_next, last, da, db):
 
 
 @jit
-def unite_interleaved(disc, kind, site, s, angle, by_x, parent, first, member_next, last, tolerance):
-    """Unite nearly equal discs whose contacts interleave (two pairs of opposite contacts of one 4-way disc, say).
+def recentre(si, sf, cp, disc, kind, site, s, owner, spread):
+    """Discs in contact with several short arcs become the circle through three of their contacts.
 
-    `by_x`: discs by the x of their centres.
+    The circle of an arc of length l is known to 1e-16 (r / l)^2 only, that through contacts all around to rounding. `spread`
+    (discs, 8): scratch: longest arc; then x, y of three contacts, first the first one, each next one farthest from those before;
+    what is largest so far.
     """
-    n = by_x.shape[0]
+    n = site.shape[0]
+    for d in range(disc.shape[0]):
+        for m in range(8):
+            spread[d, m] = 0.0
+        spread[d, 7] = -1.0
+    for step in range(3):
+        for c in range(n):
+            d = owner[c]
+            if kind[d] != ARC_CONTACT:
+                continue
+            x, y, tx, ty, k, speed = evaluate(si, sf, cp, site[c], s[c], 0.0, 0.0)
+            far = 0.0 if spread[d, 7] < 0.0 else -1.0
+            if step == 0:
+                if si[site[c], KIND] == ARC:
+                    spread[d, 0] = max(spread[d, 0], sf[site[c], LEN])
+            else:
+                far = math.sqrt((x - spread[d, 1]) ** 2 + (y - spread[d, 2]) ** 2)
+                if step == 2:
+                    far = min(far, math.sqrt((x - spread[d, 3]) ** 2 + (y - spread[d, 4]) ** 2))
+            if far > spread[d, 7]:
+                spread[d, 7] = far
+                spread[d, 2 * step + 1] = x
+                spread[d, 2 * step + 2] = y
+        for d in range(disc.shape[0]):
+            if step < 2:
+                spread[d, 7] = 0.0
+    for d in range(disc.shape[0]):
+        if kind[d] != ARC_CONTACT or spread[d, 7] < 0.5 * disc[d, 2] or spread[d, 0] > 0.1 * disc[d, 2]:
+            continue
+        bx = spread[d, 3] - spread[d, 1]
+        by = spread[d, 4] - spread[d, 2]
+        cx = spread[d, 5] - spread[d, 1]
+        cy = spread[d, 6] - spread[d, 2]
+        b = bx * bx + by * by
+        c2 = cx * cx + cy * cy
+        double = 2.0 * (bx * cy - by * cx)
+        x = (cy * b - by * c2) / double
+        y = (bx * c2 - cx * b) / double
+        disc[d, 0] = spread[d, 1] + x
+        disc[d, 1] = spread[d, 2] + y
+        disc[d, 2] = math.sqrt(x * x + y * y)
+
+
+@jit
+def _can_cross(kind, parent, d):
+    """Whether disc d has contacts that may interleave with another's; of arcs on one circle one stands for all."""
+    return kind[d] == THROUGH or (kind[d] == ARC_CONTACT and parent[d] == d)
+
+
+@jit
+def unite_whole(disc, kind, sweep, by_sweep, parent, tolerance):
+    """Unite discs in contact with arcs of one circle, wherever on the boundary these are (the roots of a gear's teeth).
+
+    `sweep`: a coordinate of the centres; `by_sweep`: discs in its order.
+    """
+    n = by_sweep.shape[0]
     for position in range(n):
-        a = by_x[position]
-        if kind[a] == VERTEX_LEAF or kind[a] == CURVATURE_LEAF:
+        a = by_sweep[position]
+        if kind[a] != ARC_CONTACT:
             continue
         for later in range(position + 1, n):
-            b = by_x[later]
-            if disc[b, 0] - disc[a, 0] > tolerance:
+            b = by_sweep[later]
+            if sweep[b] - sweep[a] > tolerance:
                 break
-            if kind[b] == VERTEX_LEAF or kind[b] == CURVATURE_LEAF or not same_disc(disc, a, b, tolerance):
+            if kind[b] == ARC_CONTACT and same_disc(disc, a, b, tolerance):
+                unite(parent, a, b)
+                break  # b goes on from here
+
+
+@jit
+def unite_interleaved(disc, kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerance):
+    """Unite nearly equal discs whose contacts interleave (two pairs of opposite contacts of one 4-way disc, say).
+
+    `sweep`: a coordinate of the centres; `by_sweep`: discs in its order.
+    """
+    n = by_sweep.shape[0]
+    for position in range(n):
+        a = by_sweep[position]
+        if not _can_cross(kind, parent, a):
+            continue
+        for later in range(position + 1, n):
+            b = by_sweep[later]
+            if sweep[b] - sweep[a] > tolerance:
+                break
+            if not _can_cross(kind, parent, b) or not same_disc(disc, a, b, tolerance):
                 continue
             da = find(parent, a)
             db = find(parent, b)

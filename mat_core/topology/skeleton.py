@@ -26,11 +26,16 @@ from mat_core.topology.discs import (
     contact_angle,
     find,
     group_contacts,
+    recentre,
     unite_at_joints,
     unite_crossed,
     unite_interleaved,
+    unite_whole,
 )
 from mat_core.topology.faces import cut_arcs, link_arcs, list_faces
+
+
+SLANT = 0.5957  # of the direction along which centres of discs are sorted, with 0.8 not quite of length 1
 
 
 class Skeleton(NamedTuple):
@@ -136,9 +141,12 @@ def _find_discs(
     last = np.empty(n + n_extra, dtype=np.int64)
     member_next = np.empty(len(site), dtype=np.int64)
     full_kind = np.concatenate((kind, np.full(n_extra, THROUGH)))
+    # not along x, where a grid has many centres of one coordinate
+    sweep = 0.8 * disc[: n + n_extra, 0] + SLANT * disc[: n + n_extra, 1]
+    by_sweep = np.argsort(sweep, kind="stable")
+    unite_whole(disc, full_kind, sweep, by_sweep, parent, tolerances.same_disc)
     group_contacts(owner, alive, parent, first, member_next, last)
-    unite_interleaved(disc, full_kind, site, s, angle, np.argsort(disc[: n + n_extra, 0], kind="stable"), parent, first,
-                      member_next, last, tolerances.same_crossed)
+    unite_interleaved(disc, full_kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerances.same_crossed)
     while True:
         group_contacts(owner, alive, parent, first, member_next, last)
         united = unite_crossed(t.si, disc, site, s, owner, angle, order, alive, parent, first, member_next, last,
@@ -154,7 +162,9 @@ def _find_discs(
     np.maximum.at(group_kind, parent, full_kind)
     best = np.empty(n + n_extra, dtype=np.int64)
     _best_members(t.si, t.sf, t.cp, kind, winner, winner_s, parent, np.empty(n + n_extra), best)
-    return disc[best[roots]], group_kind[roots], site[order], s[order], owner
+    disc, kind, site, s = disc[best[roots]], group_kind[roots], site[order], s[order]
+    recentre(t.si, t.sf, t.cp, disc, kind, site, s, owner, np.empty((len(disc), 8)))
+    return disc, kind, site, s, owner
 
 
 def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
