@@ -45,6 +45,7 @@ from mat_core.kernels.layout import (
 
 OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is better by more than rounding
 COORDINATE = 2.3e-16  # rounding of a normalised coordinate
+FLATTEST = 1e-7  # no arc's circle is believed to be worse than this
 ANGLE_NEAR = 1e-5  # contacts nearer than this around a centre are ordered along the boundary, not by angle
 K_LOW = 1.9  # no disc in a domain of size at most 1 has a radius over 1/2
 
@@ -89,6 +90,13 @@ def _phi_noise(si, sf, cp, j, winner, s):
 
 
 @jit
+def _arc_noise(sf, i):
+    """Relative rounding of the radius of a circular arc: that of the coordinates over the arc's height, length^2 / (8 r)."""
+    flat = sf[i, K0] * sf[i, LEN]
+    return min(16.0 * COORDINATE / (flat * flat), FLATTEST)
+
+
+@jit
 def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     """(status, kind, x, y, r, winner, s): the maximal disc at the start of site j.
 
@@ -110,13 +118,14 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     left = kl >= own - 1e-9 * abs(own)
     right = kr >= own - 1e-9 * abs(own)
     arcs = (1 if right and si[j, KIND] == ARC else 0) + (2 if left and si[before, KIND] == ARC else 0)
+    rough = max(_arc_noise(sf, j) if arcs & 1 else 0.0, _arc_noise(sf, before) if arcs & 2 else 0.0)
     if arcs > 0 and own > 0.0 and whole >= 0:
         r = 1.0 / own
         off = math.sqrt((px + r * nx - disc[whole, 0]) ** 2 + (py + r * ny - disc[whole, 1]) ** 2) + abs(r - disc[whole, 2])
-        if off <= 0.25 * tie * r:
+        if off <= max(0.25 * tie, 2.0 * rough) * r:
             return OK, ARC_CONTACT, px + r * nx, py + r * ny, r, arcs, 0.0
     phi, winner, s = query(si, sf, cp, tree, stack, j, 0.0, nx, ny, before, hint, K_LOW)
-    if arcs > 0 and own >= phi * (1.0 - tie):
+    if arcs > 0 and own >= phi * (1.0 - max(tie, 2.0 * rough)):
         return OK, ARC_CONTACT, px + nx / own, py + ny / own, 1.0 / own, arcs, 0.0
     if own >= phi * (1.0 - OWN_RELATIVE) - _phi_noise(si, sf, cp, j, winner, s):
         grows = (left and _grows(kl, sf[before, K0])) or (right and _grows(kr, sf[j, K1]))
@@ -429,7 +438,7 @@ def _can_cross(kind, parent, d):
 
 
 @jit
-def unite_whole(disc, kind, sweep, by_sweep, parent, tolerance):
+def unite_whole(si, sf, disc, kind, winner, sweep, by_sweep, parent, tolerance):
     """Unite discs in contact with arcs of one circle, wherever on the boundary these are (the roots of a gear's teeth).
 
     `sweep`: a coordinate of the centres; `by_sweep`: discs in its order.
@@ -439,11 +448,12 @@ def unite_whole(disc, kind, sweep, by_sweep, parent, tolerance):
         a = by_sweep[position]
         if kind[a] != ARC_CONTACT:
             continue
+        near = max(tolerance, 4.0 * _arc_noise(sf, a if winner[a] & 1 else si[a, PREV]) * disc[a, 2])
         for later in range(position + 1, n):
             b = by_sweep[later]
-            if sweep[b] - sweep[a] > tolerance:
+            if sweep[b] - sweep[a] > near:
                 break
-            if kind[b] == ARC_CONTACT and same_disc(disc, a, b, tolerance):
+            if kind[b] == ARC_CONTACT and same_disc(disc, a, b, near):
                 unite(parent, a, b)
                 break  # b goes on from here
 

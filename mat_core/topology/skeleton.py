@@ -144,7 +144,7 @@ def _find_discs(
     # not along x, where a grid has many centres of one coordinate
     sweep = 0.8 * disc[: n + n_extra, 0] + SLANT * disc[: n + n_extra, 1]
     by_sweep = np.argsort(sweep, kind="stable")
-    unite_whole(disc, full_kind, sweep, by_sweep, parent, tolerances.same_disc)
+    unite_whole(t.si, t.sf, disc, full_kind, winner, sweep, by_sweep, parent, tolerances.same_disc)
     group_contacts(owner, alive, parent, first, member_next, last)
     unite_interleaved(disc, full_kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerances.same_crossed)
     while True:
