@@ -177,13 +177,24 @@ def check_coverage(t: SiteTable, disc: Floats, owned: Owned, report: Report) -> 
 
 
 def check_whole(t: SiteTable, skeleton: Discs, report: Report) -> None:
-    """An arc in whole contact lies on its disc's circle, one centre and one radius, unless it is tiny."""
+    """An arc in whole contact lies on its disc's circle, at both ends, in the middle and in between, unless it is tiny.
+
+    Its distance from that circle is a sine of amplitude `away`, the distance of the centres: between three points in a turn of
+    `sweep` it can rise by away (1 - cos(sweep / 4)). The centres themselves may differ more, where the arc is short.
+    """
     site, owner = skeleton.whole_i.T
     row = t.sf[site]
     disc = skeleton.disc[owner]
-    short = (skeleton.whole_s[:, 1] - skeleton.whole_s[:, 0]) * row[:, LEN]
+    begin, end = skeleton.whole_s.T
     arc = (t.si[site, KIND] == ARC) & (row[:, K0] > 0.0)
     rho = 1.0 / np.where(arc, row[:, K0], 1.0)
     away = np.hypot(row[:, X0] - rho * row[:, TY0] - disc[:, 0], row[:, Y0] + rho * row[:, TX0] - disc[:, 1])
-    off = np.where(arc, np.maximum(away, np.abs(rho - disc[:, 2])), np.inf)
-    report.worst("whole_arcs", np.minimum(off, np.abs(short)), disc)
+    off = away * (1.0 - np.cos(0.25 * np.minimum(np.abs((end - begin) * row[:, SWEEP]), np.pi)))
+    frame = np.empty((len(site), 4))
+    farthest = np.zeros(len(site))
+    for share in (0.0, 0.5, 1.0):
+        frames_at(t.si, t.sf, t.cp, site, begin + share * (end - begin), frame)
+        reached = np.hypot(frame[:, 0] - disc[:, 0], frame[:, 1] - disc[:, 1])
+        farthest = np.maximum(farthest, np.abs(reached - disc[:, 2]))
+    off = np.where(arc & (away < rho), off + farthest, np.inf)
+    report.worst("whole_arcs", np.minimum(off, np.abs((end - begin) * row[:, LEN])), disc)
