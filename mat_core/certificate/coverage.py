@@ -81,10 +81,11 @@ def list_owned(skeleton: Discs) -> Owned:
 
 def _chained(members: Ints, disc_lo: list[int], disc_hi: list[int]) -> Ints:
     """Intervals of no length at one point, which have no order of their own, such that each begins at the disc the last one ended
-    at; as they were where that leaves some over."""
+    at; as they were where that leaves some over.
+    """
     begun = {disc: k for k, disc in enumerate(disc_lo)}
     k = next((k for k, disc in enumerate(disc_lo) if disc not in disc_hi), -1)
-    chain = []
+    chain: list[int] = []
     while k >= 0 and len(chain) < len(members):
         chain.append(k)
         k = begun.get(disc_hi[k], -1)

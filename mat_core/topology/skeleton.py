@@ -34,7 +34,6 @@ from mat_core.topology.discs import (
 )
 from mat_core.topology.faces import cut_arcs, link_arcs, list_faces
 
-
 SLANT = 0.5957  # of the direction along which centres of discs are sorted, with 0.8 not quite of length 1
 
 
@@ -235,8 +234,8 @@ def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
     whole_s = np.empty((n_contacts, 2))
     largest = int(np.diff(starts[: faces + 1]).max())
     status, discs, contacts, strips, wholes, place = solve_faces(
-        t.si, t.sf, t.cp, tree, stack, tolerances.tie, face_start, stack_i, stack_f, grown, n_discs, disc_of, contact_site, contact_s,
-        n_contacts, strip_i, strip_s, whole_i, whole_s, np.empty((largest, 2), dtype=np.int64), np.empty((largest, 2)),
+        t.si, t.sf, t.cp, tree, stack, tolerances.tie, face_start, stack_i, stack_f, grown, n_discs, disc_of, contact_site,
+        contact_s, n_contacts, strip_i, strip_s, whole_i, whole_s, np.empty((largest, 2), dtype=np.int64), np.empty((largest, 2)),
         np.empty(4 * largest + 8, dtype=np.int64), np.empty(4 * largest + 8), np.empty(largest + 2, dtype=np.int64),
         np.empty((largest + 4, 2), dtype=np.int64), np.empty((largest + 4, 2)), np.empty(3, dtype=np.int64), np.empty(3),
         np.empty(3), np.empty(3))
