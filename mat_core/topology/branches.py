@@ -398,14 +398,14 @@ def _emit_strip(strip_i, strip_s, n, site_a, a0, a1, site_b, b0, b1, disc0, disc
 
 
 @jit
-def solve_faces(si, sf, cp, tree, stack, tie, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site, contact_s, n_contacts,
-                strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first, bracket_i, bracket_f,
-                tri_site, tri_s, tri_lo, tri_hi):
+def solve_faces(si, sf, cp, tree, stack, tie, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site, contact_s,
+                n_contacts, strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first, bracket_i,
+                bracket_f, tri_site, tri_s, tri_lo, tri_hi):
     """Resolve every face into strips; returns (status, discs, contacts, strips, whole contacts, place).
 
     The faces stand one after the other in `stack_i` (site, closing disc) and `stack_f` (lo, hi), bounded by `face_start`
-    (rows 0 .. faces); smaller faces are put where the larger one stood. New contacts are appended to disc_of, contact_site,
-    contact_s. `place` is a site near the trouble when the status is not OK.
+    (rows 0 .. faces); smaller faces are put where the larger one stood. A face of many arcs is halved by a disc first. New contacts
+    are appended to disc_of, contact_site, contact_s. `place` is a site near the trouble when the status is not OK.
     """
     n_strips = 0
     n_whole = 0
