@@ -24,8 +24,9 @@ from mat_core.certificate.inputs import Curves, Discs, Floats, Network, dangling
 from mat_core.certificate.network import check_counts, check_kinds, check_segments
 from mat_core.certificate.report import Report
 from mat_core.certificate.splines import check_curves, check_ends, check_shape, sample
-from mat_core.kernels.judge import JUDGE_ROWS, JUDGE_STACK, depths, fill_boxes
-from mat_core.kernels.layout import DEG
+from mat_core.kernels.judge import JUDGE_ROWS, JUDGE_STACK, depths
+from mat_core.kernels.judge_boxes import judge_boxes
+from mat_core.kernels.layout import DEG, XMAX, XMIN, YMAX, YMIN
 from mat_core.model.domain import Domain
 
 
@@ -85,9 +86,7 @@ def certify(
     if check_shape(curves, graph, report):
         sampled = sample(curves)
         probes.append(sampled.disc)
-    box = np.empty((2 * len(table.si), 4))
-    fill_boxes(table.si, table.sf, table.cp, box)
-    depth = _depths(table, box, np.concatenate(probes))
+    depth = _depths(table, np.concatenate(probes))
     slack = check_touching(table, skeleton, owned, turn, report)
     strip_slack = slack[skeleton.strip_i[:, 2:]].max(axis=1)
     check_discs(disc, depth[: len(disc)], slack, report)
@@ -96,7 +95,7 @@ def certify(
     if sampled is not None:
         check_ends(skeleton, graph, curves, report)
         check_curves(table, skeleton, curves, sampled, depth[inside:], strip_slack, report)
-    size = domain.size * table.scale if domain is not None else float((box[1, 2:] - box[1, :2]).max())
+    size = domain.size * table.scale if domain is not None else _larger_side(table)
     return report.to_dict(float(size), table.origin, table.scale, tolerance)
 
 
@@ -106,14 +105,22 @@ def _binomials(rows: int) -> Floats:
     return np.array([[float(math.comb(n, k)) for k in range(rows)] for n in range(rows)])
 
 
-def _depths(table: SiteTable, box: Floats, probe: Floats) -> Floats:
+def _larger_side(table: SiteTable) -> float:
+    """Of the boundary's bounding box."""
+    low = table.sf[:, [XMIN, YMIN]].min(axis=0)
+    return float((table.sf[:, [XMAX, YMAX]].max(axis=0) - low).max())
+
+
+def _depths(table: SiteTable, probe: Floats) -> Floats:
     """How deep the boundary reaches into each disc of `probe` (n, 3)."""
+    order, box = judge_boxes(table.si, table.sf, table.cp)
     width = 2 * int(table.si[:, DEG].max()) + 1
     depth = np.empty(len(probe))
     depths(
         table.si,
         table.sf,
         table.cp,
+        order,
         box,
         np.empty(JUDGE_STACK, dtype=np.int64),
         np.empty((JUDGE_ROWS, width + 2)),

@@ -69,9 +69,27 @@ def list_owned(skeleton: Discs) -> Owned:
     ends = np.concatenate((s[:, :2], s[:, [3, 2]], ws))
     # by the middle, so that ends that differ by rounding do not change the order
     order = np.lexsort((ends[:, 0] + ends[:, 1], rows[:, 0]))
+    place = np.stack((rows[order, 0], ends[order, 0], ends[order, 1]))
+    again = np.flatnonzero((place[:, 1:] == place[:, :-1]).all(axis=0) & (place[1, 1:] == place[2, 1:]))
+    for group in np.split(again, np.flatnonzero(np.diff(again) > 1) + 1) if len(again) else ():
+        members = order[group[0] : group[-1] + 2]
+        order[group[0] : group[-1] + 2] = _chained(members, rows[members, 1].tolist(), rows[members, 2].tolist())
     site, disc_lo, disc_hi = rows[order].T
     lo, hi = ends[order].T
     return Owned(site, lo, hi, disc_lo, disc_hi)
+
+
+def _chained(members: Ints, disc_lo: list[int], disc_hi: list[int]) -> Ints:
+    """Intervals of no length at one point, which have no order of their own, such that each begins at the disc the last one ended
+    at; as they were where that leaves some over.
+    """
+    begun = {disc: k for k, disc in enumerate(disc_lo)}
+    k = next((k for k, disc in enumerate(disc_lo) if disc not in disc_hi), -1)
+    chain: list[int] = []
+    while k >= 0 and len(chain) < len(members):
+        chain.append(k)
+        k = begun.get(disc_hi[k], -1)
+    return members[chain] if len(chain) == len(members) else members
 
 
 def _turn(ax: Floats, ay: Floats, bx: Floats, by: Floats) -> Floats:
@@ -160,13 +178,24 @@ def check_coverage(t: SiteTable, disc: Floats, owned: Owned, report: Report) -> 
 
 
 def check_whole(t: SiteTable, skeleton: Discs, report: Report) -> None:
-    """An arc in whole contact lies on its disc's circle, one centre and one radius, unless it is tiny."""
+    """An arc in whole contact lies on its disc's circle, at both ends, in the middle and in between, unless it is tiny.
+
+    Its distance from that circle is a sine of amplitude `away`, the distance of the centres: between three points in a turn of
+    `sweep` it can rise by away (1 - cos(sweep / 4)). The centres themselves may differ more, where the arc is short.
+    """
     site, owner = skeleton.whole_i.T
     row = t.sf[site]
     disc = skeleton.disc[owner]
-    short = (skeleton.whole_s[:, 1] - skeleton.whole_s[:, 0]) * row[:, LEN]
+    begin, end = skeleton.whole_s.T
     arc = (t.si[site, KIND] == ARC) & (row[:, K0] > 0.0)
     rho = 1.0 / np.where(arc, row[:, K0], 1.0)
     away = np.hypot(row[:, X0] - rho * row[:, TY0] - disc[:, 0], row[:, Y0] + rho * row[:, TX0] - disc[:, 1])
-    off = np.where(arc, np.maximum(away, np.abs(rho - disc[:, 2])), np.inf)
-    report.worst("whole_arcs", np.minimum(off, np.abs(short)), disc)
+    off = away * (1.0 - np.cos(0.25 * np.minimum(np.abs((end - begin) * row[:, SWEEP]), np.pi)))
+    frame = np.empty((len(site), 4))
+    farthest = np.zeros(len(site))
+    for share in (0.0, 0.5, 1.0):
+        frames_at(t.si, t.sf, t.cp, site, begin + share * (end - begin), frame)
+        reached = np.hypot(frame[:, 0] - disc[:, 0], frame[:, 1] - disc[:, 1])
+        farthest = np.maximum(farthest, np.abs(reached - disc[:, 2]))
+    off = np.where(arc & (away < rho), off + farthest, np.inf)
+    report.worst("whole_arcs", np.minimum(off, np.abs((end - begin) * row[:, LEN])), disc)

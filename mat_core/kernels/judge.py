@@ -15,6 +15,7 @@ import math
 
 from mat_core.kernels.curve import bezier_frame, evaluate
 from mat_core.kernels.jit import jit
+from mat_core.kernels.judge_boxes import outside
 from mat_core.kernels.layout import (
     ARC,
     CP0,
@@ -54,39 +55,6 @@ BALL_SETTLED = 1e-14  # relative change of the radius that ends the iteration
 GROWTHS = 12  # doublings of the first radius until the ball meets the other side
 FIRST_RADIUS = 1e-3  # where none is known
 LARGEST = 1.0  # no disc in a domain of size at most 1 has a radius over 1/2
-
-
-@jit
-def fill_boxes(si, sf, cp, box):
-    """Boxes of all sites in rows n .. 2n-1 (loop order), of rows 2k and 2k+1 together in row k; row 1 is the whole.
-
-    A fan is left out: its point is an end of both neighbours.
-    """
-    n = si.shape[0]
-    for i in range(n):
-        xmin = ymin = math.inf
-        xmax = ymax = -math.inf
-        kind = si[i, KIND]
-        if kind == LINE:
-            xmin = min(sf[i, X0], sf[i, X1])
-            ymin = min(sf[i, Y0], sf[i, Y1])
-            xmax = max(sf[i, X0], sf[i, X1])
-            ymax = max(sf[i, Y0], sf[i, Y1])
-        elif kind != FAN:
-            for row in range(si[i, CP0], si[i, CP0] + si[i, DEG] + 1):
-                xmin = min(xmin, sf[i, X0] + cp[row, 0])
-                ymin = min(ymin, sf[i, Y0] + cp[row, 1])
-                xmax = max(xmax, sf[i, X0] + cp[row, 0])
-                ymax = max(ymax, sf[i, Y0] + cp[row, 1])
-        box[n + i, 0] = xmin
-        box[n + i, 1] = ymin
-        box[n + i, 2] = xmax
-        box[n + i, 3] = ymax
-    for k in range(n - 1, 0, -1):
-        box[k, 0] = min(box[2 * k, 0], box[2 * k + 1, 0])
-        box[k, 1] = min(box[2 * k, 1], box[2 * k + 1, 1])
-        box[k, 2] = max(box[2 * k, 2], box[2 * k + 1, 2])
-        box[k, 3] = max(box[2 * k, 3], box[2 * k + 1, 3])
 
 
 @jit
@@ -305,10 +273,10 @@ def _arc_distance(sf, i, x, y):
 
 
 @jit
-def depths(si, sf, cp, box, stack, work, binomial, disc, depth):
+def depths(si, sf, cp, order, box, stack, work, binomial, disc, depth):
     """How deep the boundary reaches into each disc x, y, r: r - distance of its centre, 0 if that is not positive.
 
-    box: from `fill_boxes`; stack (JUDGE_STACK,); work (JUDGE_ROWS, 2 d + 3) and binomial (2 d + 1, 2 d + 1), Pascal's
+    order, box: from `judge_boxes`; stack (JUDGE_STACK,); work (JUDGE_ROWS, 2 d + 3) and binomial (2 d + 1, 2 d + 1), Pascal's
     triangle, for pieces of degree up to d.
     """
     n = si.shape[0]
@@ -328,16 +296,14 @@ def depths(si, sf, cp, box, stack, work, binomial, disc, depth):
         while top >= 0:
             k = stack[top]
             top -= 1
-            dx = max(0.0, box[k, 0] - x, x - box[k, 2])
-            dy = max(0.0, box[k, 1] - y, y - box[k, 3])
-            if dx * dx + dy * dy >= r * r:
+            if outside(box, k, x, y, r):
                 continue
             if k < n:
                 stack[top + 1] = 2 * k
                 stack[top + 2] = 2 * k + 1
                 top += 2
                 continue
-            i = k - n
+            i = order[k - n]
             kind = si[i, KIND]
             if kind == LINE:
                 gap = _line_distance(sf, i, x, y) - r

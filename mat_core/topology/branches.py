@@ -48,6 +48,7 @@ from mat_core.kernels.layout import (
     YMIN,
 )
 from mat_core.topology.discs import K_LOW, NO_PARTNER, OK, TOO_SMALL
+from mat_core.topology.split import MANY, find_split, split_face
 
 ROOT_STEPS = 120
 YIELD = 4.0  # ties
@@ -453,14 +454,14 @@ def _emit_strip(strip_i, strip_s, n, site_a, a0, a1, site_b, b0, b1, disc0, disc
 
 
 @jit
-def solve_faces(si, sf, cp, tie, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site, contact_s, n_contacts,
-                strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first, bracket_i, bracket_f,
-                tri_site, tri_s, tri_lo, tri_hi):
+def solve_faces(si, sf, cp, tree, stack, tie, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site, contact_s,
+                n_contacts, strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first, bracket_i,
+                bracket_f, tri_site, tri_s, tri_lo, tri_hi):
     """Resolve every face into strips; returns (status, discs, contacts, strips, whole contacts, place).
 
     The faces stand one after the other in `stack_i` (site, closing disc) and `stack_f` (lo, hi), bounded by `face_start`
-    (rows 0 .. faces); smaller faces are put where the larger one stood. New contacts are appended to disc_of, contact_site,
-    contact_s. `place` is a site near the trouble when the status is not OK.
+    (rows 0 .. faces); smaller faces are put where the larger one stood. A face of many arcs is halved by a disc first. New contacts
+    are appended to disc_of, contact_site, contact_s. `place` is a site near the trouble when the status is not OK.
     """
     n_strips = 0
     n_whole = 0
@@ -486,6 +487,24 @@ def solve_faces(si, sf, cp, tie, face_start, stack_i, stack_f, disc, n_discs, di
                                    stack_i[begin + 1, 1], stack_i[begin, 1])
             faces -= 1
             continue
+        if k > MANY and faces + 2 < face_start.shape[0] and begin + k + 2 <= stack_i.shape[0]:
+            low, low_s, high, high_s, x, y, r = find_split(si, sf, cp, tree, stack, stack_i, stack_f, begin, k)
+            if low >= 0:
+                if n_discs >= disc.shape[0] or n_contacts + 2 > contact_site.shape[0]:
+                    return TOO_SMALL, n_discs, n_contacts, n_strips, n_whole, stack_i[begin, 0]
+                disc[n_discs, 0] = x
+                disc[n_discs, 1] = y
+                disc[n_discs, 2] = r
+                for end in range(2):
+                    disc_of[n_contacts + end] = n_discs
+                    contact_site[n_contacts + end] = stack_i[begin + (low if end == 0 else high), 0]
+                    contact_s[n_contacts + end] = low_s if end == 0 else high_s
+                face_start[faces] = split_face(stack_i, stack_f, w_i, w_f, begin, k, low, low_s, high, high_s, n_discs)
+                faces += 1
+                face_start[faces] = begin + k + 2
+                n_contacts += 2
+                n_discs += 1
+                continue
         # arc 0 of the work buffer is the longest one
         longest = 0
         best = -1.0

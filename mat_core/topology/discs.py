@@ -26,6 +26,7 @@ from mat_core.kernels.layout import (
     K0,
     K1,
     KIND,
+    LEN,
     LOOP,
     NEXT,
     PREV,
@@ -44,6 +45,7 @@ from mat_core.kernels.layout import (
 
 OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is better by more than rounding
 COORDINATE = 2.3e-16  # rounding of a normalised coordinate
+FLATTEST = 1e-7  # no arc's circle is believed to be worse than this
 ANGLE_NEAR = 1e-5  # contacts nearer than this around a centre are ordered along the boundary, not by angle
 K_LOW = 1.9  # no disc in a domain of size at most 1 has a radius over 1/2
 
@@ -88,8 +90,18 @@ def _phi_noise(si, sf, cp, j, winner, s):
 
 
 @jit
-def joint_disc(si, sf, cp, tree, stack, j, hint, tie):
+def _arc_noise(sf, i):
+    """Relative rounding of the radius of a circular arc: that of the coordinates over the arc's height, length^2 / (8 r)."""
+    flat = sf[i, K0] * sf[i, LEN]
+    return min(16.0 * COORDINATE / (flat * flat), FLATTEST)
+
+
+@jit
+def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     """(status, kind, x, y, r, winner, s): the maximal disc at the start of site j.
+
+    Row `whole` of `disc` is one that touches along an arc (-1: none is known yet): an arc on the same circle touches it, too.
+    Without it each tooth of a gear would ask all other teeth.
 
     kind THROUGH: it touches `winner` at s; VERTEX_LEAF; CURVATURE_LEAF; ARC_CONTACT: winner is 1 if the arc that starts here
     is in contact, 2 if the one that ends here, 3 if both are (one circle).
@@ -103,11 +115,17 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie):
     kl = sf[before, K1]
     kr = sf[j, K0]
     own = max(kl, kr)
-    phi, winner, s = query(si, sf, cp, tree, stack, j, 0.0, nx, ny, before, hint, K_LOW)
     left = kl >= own - 1e-9 * abs(own)
     right = kr >= own - 1e-9 * abs(own)
     arcs = (1 if right and si[j, KIND] == ARC else 0) + (2 if left and si[before, KIND] == ARC else 0)
-    if arcs > 0 and own >= phi * (1.0 - tie):
+    rough = max(_arc_noise(sf, j) if arcs & 1 else 0.0, _arc_noise(sf, before) if arcs & 2 else 0.0)
+    if arcs > 0 and own > 0.0 and whole >= 0:
+        r = 1.0 / own
+        off = math.sqrt((px + r * nx - disc[whole, 0]) ** 2 + (py + r * ny - disc[whole, 1]) ** 2) + abs(r - disc[whole, 2])
+        if off <= max(0.25 * tie, 2.0 * rough) * r:
+            return OK, ARC_CONTACT, px + r * nx, py + r * ny, r, arcs, 0.0
+    phi, winner, s = query(si, sf, cp, tree, stack, j, 0.0, nx, ny, before, hint, K_LOW)
+    if arcs > 0 and own >= phi * (1.0 - max(tie, 2.0 * rough)):
         return OK, ARC_CONTACT, px + nx / own, py + ny / own, 1.0 / own, arcs, 0.0
     if own >= phi * (1.0 - OWN_RELATIVE) - _phi_noise(si, sf, cp, j, winner, s):
         grows = (left and _grows(kl, sf[before, K0])) or (right and _grows(kr, sf[j, K1]))
@@ -122,8 +140,11 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie):
 def all_joint_discs(si, sf, cp, tree, stack, tie, disc, kind, winner, winner_s):
     """`joint_disc` for every site's start; returns (status, joint)."""
     hint = -1
+    whole = -1
     for j in range(si.shape[0]):
-        status, kind[j], x, y, r, winner[j], winner_s[j] = joint_disc(si, sf, cp, tree, stack, j, hint, tie)
+        status, kind[j], x, y, r, winner[j], winner_s[j] = joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole)
+        if kind[j] == ARC_CONTACT:
+            whole = j
         disc[j, 0] = x
         disc[j, 1] = y
         disc[j, 2] = r
@@ -195,7 +216,8 @@ def rightmost(si, sf, cp, first, last):
 
 
 @jit
-def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent, extra, extra_site):
+def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent, right, right_site, extra,
+                  extra_site):
     """Discs that join loops no joint disc joins; returns (status, how many).
 
     The disc at the rightmost point of a group of loops lies right of all of them, so it touches another group: after at most one
@@ -207,27 +229,28 @@ def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent
     for j in range(si.shape[0]):
         if kind[j] == THROUGH:
             unite(loop_parent, si[j, LOOP], si[winner[j], LOOP])
+    # the rightmost point of each group stands at its root
+    for loop in range(1, n_loops):
+        x, site, s = rightmost(si, sf, cp, loop_start[loop], loop_start[loop + 1])
+        right[loop, 0] = x
+        right[loop, 1] = s
+        right_site[loop] = site
+    for loop in range(1, n_loops):
+        _keep_rightmost(right, right_site, find(loop_parent, loop), loop)
     count = 0
-    for _ in range(n_loops):
-        for group in range(1, n_loops):
-            if find(loop_parent, group) != group:
-                continue
-            best = -math.inf
-            site = -1
-            s = 0.0
-            for loop in range(n_loops):
-                if find(loop_parent, loop) == group:
-                    x, i, si_ = rightmost(si, sf, cp, loop_start[loop], loop_start[loop + 1])
-                    if x > best:
-                        best = x
-                        site = i
-                        s = si_
+    for group in range(1, n_loops):
+        # until it hangs on a smaller one: in the end all hang on loop 0
+        while find(loop_parent, group) == group:
+            site = right_site[group]
+            s = right[group, 1]
             px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
             skip = si[site, PREV] if s == 0.0 else -1
             phi, w, sw = query(si, sf, cp, tree, stack, site, s, -ty, tx, skip, -1, K_LOW)
             if w < 0 or find(loop_parent, si[w, LOOP]) == group:
                 return NO_PARTNER, count
-            unite(loop_parent, group, si[w, LOOP])
+            other = find(loop_parent, si[w, LOOP])
+            unite(loop_parent, group, other)
+            _keep_rightmost(right, right_site, min(group, other), max(group, other))
             extra[count, 0] = px - ty / phi
             extra[count, 1] = py + tx / phi
             extra[count, 2] = 1.0 / phi
@@ -237,6 +260,15 @@ def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent
             extra_site[count, 1] = w
             count += 1
     return OK, count
+
+
+@jit
+def _keep_rightmost(right, right_site, root, member):
+    """The rightmost point of `member` becomes that of `root` if it lies further right; loop 0 needs none."""
+    if root > 0 and right[member, 0] > right[root, 0]:
+        right[root, 0] = right[member, 0]
+        right[root, 1] = right[member, 1]
+        right_site[root] = right_site[member]
 
 
 @jit
@@ -349,21 +381,99 @@ def _merge(parent, first, member_next, last, da, db):
 
 
 @jit
-def unite_interleaved(disc, kind, site, s, angle, by_x, parent, first, member_next, last, tolerance):
+def recentre(si, sf, cp, disc, kind, site, s, owner, spread):
+    """Discs in contact with several short arcs become the circle through three of their contacts.
+
+    The circle of an arc of length l is known to 1e-16 (r / l)^2 only, that through contacts all around to rounding. `spread`
+    (discs, 8): scratch: longest arc; then x, y of three contacts, first the first one, each next one farthest from those before;
+    what is largest so far.
+    """
+    n = site.shape[0]
+    for d in range(disc.shape[0]):
+        for m in range(8):
+            spread[d, m] = 0.0
+        spread[d, 7] = -1.0
+    for step in range(3):
+        for c in range(n):
+            d = owner[c]
+            if kind[d] != ARC_CONTACT:
+                continue
+            x, y, tx, ty, k, speed = evaluate(si, sf, cp, site[c], s[c], 0.0, 0.0)
+            far = 0.0 if spread[d, 7] < 0.0 else -1.0
+            if step == 0:
+                if si[site[c], KIND] == ARC:
+                    spread[d, 0] = max(spread[d, 0], sf[site[c], LEN])
+            else:
+                far = math.sqrt((x - spread[d, 1]) ** 2 + (y - spread[d, 2]) ** 2)
+                if step == 2:
+                    far = min(far, math.sqrt((x - spread[d, 3]) ** 2 + (y - spread[d, 4]) ** 2))
+            if far > spread[d, 7]:
+                spread[d, 7] = far
+                spread[d, 2 * step + 1] = x
+                spread[d, 2 * step + 2] = y
+        for d in range(disc.shape[0]):
+            if step < 2:
+                spread[d, 7] = 0.0
+    for d in range(disc.shape[0]):
+        if kind[d] != ARC_CONTACT or spread[d, 7] < 0.5 * disc[d, 2] or spread[d, 0] > 0.1 * disc[d, 2]:
+            continue
+        bx = spread[d, 3] - spread[d, 1]
+        by = spread[d, 4] - spread[d, 2]
+        cx = spread[d, 5] - spread[d, 1]
+        cy = spread[d, 6] - spread[d, 2]
+        b = bx * bx + by * by
+        c2 = cx * cx + cy * cy
+        double = 2.0 * (bx * cy - by * cx)
+        x = (cy * b - by * c2) / double
+        y = (bx * c2 - cx * b) / double
+        disc[d, 0] = spread[d, 1] + x
+        disc[d, 1] = spread[d, 2] + y
+        disc[d, 2] = math.sqrt(x * x + y * y)
+
+
+@jit
+def _can_cross(kind, parent, d):
+    """Whether disc d has contacts that may interleave with another's; of arcs on one circle one stands for all."""
+    return kind[d] == THROUGH or (kind[d] == ARC_CONTACT and parent[d] == d)
+
+
+@jit
+def unite_whole(si, sf, disc, kind, winner, sweep, by_sweep, parent, tolerance):
+    """Unite discs in contact with arcs of one circle, wherever on the boundary these are (the roots of a gear's teeth).
+
+    `sweep`: a coordinate of the centres; `by_sweep`: discs in its order.
+    """
+    n = by_sweep.shape[0]
+    for position in range(n):
+        a = by_sweep[position]
+        if kind[a] != ARC_CONTACT:
+            continue
+        near = max(tolerance, 4.0 * _arc_noise(sf, a if winner[a] & 1 else si[a, PREV]) * disc[a, 2])
+        for later in range(position + 1, n):
+            b = by_sweep[later]
+            if sweep[b] - sweep[a] > near:
+                break
+            if kind[b] == ARC_CONTACT and same_disc(disc, a, b, near):
+                unite(parent, a, b)
+                break  # b goes on from here
+
+
+@jit
+def unite_interleaved(disc, kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerance):
     """Unite nearly equal discs whose contacts interleave (two pairs of opposite contacts of one 4-way disc, say).
 
-    `by_x`: discs by the x of their centres.
+    `sweep`: a coordinate of the centres; `by_sweep`: discs in its order.
     """
-    n = by_x.shape[0]
+    n = by_sweep.shape[0]
     for position in range(n):
-        a = by_x[position]
-        if kind[a] == VERTEX_LEAF or kind[a] == CURVATURE_LEAF:
+        a = by_sweep[position]
+        if not _can_cross(kind, parent, a):
             continue
         for later in range(position + 1, n):
-            b = by_x[later]
-            if disc[b, 0] - disc[a, 0] > tolerance:
+            b = by_sweep[later]
+            if sweep[b] - sweep[a] > tolerance:
                 break
-            if kind[b] == VERTEX_LEAF or kind[b] == CURVATURE_LEAF or not same_disc(disc, a, b, tolerance):
+            if not _can_cross(kind, parent, b) or not same_disc(disc, a, b, tolerance):
                 continue
             da = find(parent, a)
             db = find(parent, b)

@@ -49,14 +49,20 @@ class AxisGraph(NamedTuple):
 
 @jit
 def _contact_at(si, contact_start, contact_site, contact_s, d, site, s):
-    """The contact of disc d at s on a site; s = 1 is the start of the next site."""
+    """The contact of disc d at s on a site; s = 1 is the start of the next site. Contacts of a disc stand in loop order."""
     if s >= 1.0:
         site = si[site, NEXT]
         s = 0.0
-    for c in range(contact_start[d], contact_start[d + 1]):
-        if contact_site[c] == site and contact_s[c] == s:
-            return c
-    return -1
+    low = contact_start[d]
+    high = contact_start[d + 1]
+    while low < high:
+        middle = (low + high) // 2
+        if contact_site[middle] < site or (contact_site[middle] == site and contact_s[middle] < s):
+            low = middle + 1
+        else:
+            high = middle
+    found = low < contact_start[d + 1] and contact_site[low] == site and contact_s[low] == s
+    return low if found else -1
 
 
 @jit

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.errors import NotCertified
-from mat_core.kernels.boxtree import STACK, build_tree, tree_rows
+from mat_core.kernels.boxtree import STACK, Tree, build_tree
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import ARC_CONTACT, LOOP, THROUGH, X0, Y0
@@ -26,11 +26,15 @@ from mat_core.topology.discs import (
     contact_angle,
     find,
     group_contacts,
+    recentre,
     unite_at_joints,
     unite_crossed,
     unite_interleaved,
+    unite_whole,
 )
 from mat_core.topology.faces import cut_arcs, link_arcs, list_faces
+
+SLANT = 0.5957  # of the direction along which centres of discs are sorted, with 0.8 not quite of length 1
 
 
 class Skeleton(NamedTuple):
@@ -97,14 +101,12 @@ def failure(table: SiteTable, site: int, what: str) -> NotCertified:
     return NotCertified(what, place=place)
 
 
-def _find_discs(t: SiteTable, tolerances: Tolerances) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64],
-                                                                NDArray[np.float64], NDArray[np.int64]]:
+def _find_discs(
+    t: SiteTable, tree: Tree, stack: NDArray[np.int64], tolerances: Tolerances
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
     """Steps 1 to 3: (disc, kind, contact_site, contact_s, contact_disc), contacts in loop order."""
     n = len(t.si)
     n_loops = len(t.loop_start) - 1
-    tree = np.empty((tree_rows(n), 4))
-    build_tree(t.sf, tree)
-    stack = np.empty(STACK, dtype=np.int64)
     disc = np.empty((n + n_loops, 3))
     kind = np.empty(n, dtype=np.int64)
     winner = np.empty(n, dtype=np.int64)
@@ -116,7 +118,8 @@ def _find_discs(t: SiteTable, tolerances: Tolerances) -> tuple[NDArray[np.float6
     extra = np.empty((n_loops, 5))
     extra_site = np.empty((n_loops, 2), dtype=np.int64)
     loop_parent = np.empty(n_loops, dtype=np.int64)
-    status, n_extra = connect_loops(t.si, t.sf, t.cp, tree, stack, t.loop_start, kind, winner, loop_parent, extra, extra_site)
+    status, n_extra = connect_loops(t.si, t.sf, t.cp, tree, stack, t.loop_start, kind, winner, loop_parent,
+                                    np.empty((n_loops, 2)), np.empty(n_loops, dtype=np.int64), extra, extra_site)
     if status != OK:
         raise failure(t, int(t.loop_start[-2]), "no disc connects a hole to the rest of the boundary")
     disc[n : n + n_extra] = extra[:n_extra, :3]
@@ -137,9 +140,12 @@ def _find_discs(t: SiteTable, tolerances: Tolerances) -> tuple[NDArray[np.float6
     last = np.empty(n + n_extra, dtype=np.int64)
     member_next = np.empty(len(site), dtype=np.int64)
     full_kind = np.concatenate((kind, np.full(n_extra, THROUGH)))
+    # not along x, where a grid has many centres of one coordinate
+    sweep = 0.8 * disc[: n + n_extra, 0] + SLANT * disc[: n + n_extra, 1]
+    by_sweep = np.argsort(sweep, kind="stable")
+    unite_whole(t.si, t.sf, disc, full_kind, winner, sweep, by_sweep, parent, tolerances.same_disc)
     group_contacts(owner, alive, parent, first, member_next, last)
-    unite_interleaved(disc, full_kind, site, s, angle, np.argsort(disc[: n + n_extra, 0], kind="stable"), parent, first,
-                      member_next, last, tolerances.same_crossed)
+    unite_interleaved(disc, full_kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerances.same_crossed)
     while True:
         group_contacts(owner, alive, parent, first, member_next, last)
         united = unite_crossed(t.si, disc, site, s, owner, angle, order, alive, parent, first, member_next, last,
@@ -155,7 +161,9 @@ def _find_discs(t: SiteTable, tolerances: Tolerances) -> tuple[NDArray[np.float6
     np.maximum.at(group_kind, parent, full_kind)
     best = np.empty(n + n_extra, dtype=np.int64)
     _best_members(t.si, t.sf, t.cp, kind, winner, winner_s, parent, np.empty(n + n_extra), best)
-    return disc[best[roots]], group_kind[roots], site[order], s[order], owner
+    disc, kind, site, s = disc[best[roots]], group_kind[roots], site[order], s[order]
+    recentre(t.si, t.sf, t.cp, disc, kind, site, s, owner, np.empty((len(disc), 8)))
+    return disc, kind, site, s, owner
 
 
 def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
@@ -175,7 +183,9 @@ def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
     NotCertified
         The discs do not fit together (their faces break Euler's identity); names a place.
     """
-    disc, kind, site, s, owner = _find_discs(t, tolerances)
+    tree = build_tree(t.si, t.sf, t.cp)
+    stack = np.empty(STACK, dtype=np.int64)
+    disc, kind, site, s, owner = _find_discs(t, tree, stack, tolerances)
     n_contacts = len(site)
     n_discs = len(disc)
     holes = len(t.loop_start) - 2
@@ -201,7 +211,7 @@ def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
         raise failure(t, 0, f"the discs cut the domain into {faces} faces where Euler's identity asks for {expected}")
 
     # 5. faces to strips, solving branch points
-    room = 4 * n_contacts + 64
+    room = 5 * n_contacts + 64  # three for each branch point, and those of discs that split large faces
     stack_i = np.empty((room, 2), dtype=np.int64)
     stack_f = np.empty((room, 2))
     stack_i[:n_contacts, 0] = site[face_arcs]
@@ -210,7 +220,7 @@ def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
     stack_f[:n_contacts, 1] = arc_hi[face_arcs]
     face_start = np.full(room + 1, -1, dtype=np.int64)
     face_start[: faces + 1] = starts[: faces + 1]
-    grown = np.empty((n_discs + n_contacts, 3))
+    grown = np.empty((n_discs + 2 * n_contacts, 3))
     grown[:n_discs] = disc
     disc_of = np.empty(room, dtype=np.int64)
     contact_site = np.empty(room, dtype=np.int64)
@@ -218,20 +228,20 @@ def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
     disc_of[:n_contacts] = owner
     contact_site[:n_contacts] = site
     contact_s[:n_contacts] = s
-    strip_i = np.empty((2 * n_contacts + 2, 4), dtype=np.int64)
-    strip_s = np.empty((2 * n_contacts + 2, 4))
+    strip_i = np.empty((3 * n_contacts + 2, 4), dtype=np.int64)
+    strip_s = np.empty((3 * n_contacts + 2, 4))
     whole_i = np.empty((n_contacts, 2), dtype=np.int64)
     whole_s = np.empty((n_contacts, 2))
     largest = int(np.diff(starts[: faces + 1]).max())
     status, discs, contacts, strips, wholes, place = solve_faces(
-        t.si, t.sf, t.cp, tolerances.tie, face_start, stack_i, stack_f, grown, n_discs, disc_of, contact_site, contact_s,
-        n_contacts, strip_i, strip_s, whole_i, whole_s, np.empty((largest, 2), dtype=np.int64), np.empty((largest, 2)),
+        t.si, t.sf, t.cp, tree, stack, tolerances.tie, face_start, stack_i, stack_f, grown, n_discs, disc_of, contact_site,
+        contact_s, n_contacts, strip_i, strip_s, whole_i, whole_s, np.empty((largest, 2), dtype=np.int64), np.empty((largest, 2)),
         np.empty(4 * largest + 8, dtype=np.int64), np.empty(4 * largest + 8), np.empty(largest + 2, dtype=np.int64),
         np.empty((largest + 4, 2), dtype=np.int64), np.empty((largest + 4, 2)), np.empty(3, dtype=np.int64), np.empty(3),
         np.empty(3), np.empty(3))
     if status != OK:
         raise failure(t, int(place), "a branch point was not found where three or more parts of the boundary meet")
-    by_disc = np.argsort(disc_of[:contacts], kind="stable")
+    by_disc = np.lexsort((contact_s[:contacts], contact_site[:contacts], disc_of[:contacts]))
     contact_start = np.searchsorted(disc_of[:contacts][by_disc], np.arange(discs + 1))
     all_kinds = np.concatenate((kind, np.full(discs - n_discs, THROUGH)))
     return Skeleton(grown[:discs], all_kinds, contact_start, contact_site[:contacts][by_disc], contact_s[:contacts][by_disc],

@@ -7,7 +7,7 @@ import pytest
 
 from mat_core.certificate.certify import _depths
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.judge import balls, distances, fill_boxes, foot
+from mat_core.kernels.judge import balls, distances, foot
 from mat_core.kernels.layout import FAN, KIND
 from mat_core.kernels.rows import frames_at
 from tests.certificate.accused import accused
@@ -31,8 +31,6 @@ def test_depths_and_feet_agree_with_dense_sampling(name: str) -> None:
     si, sf, cp = table.si, table.sf, table.cp
     points = dense_points(table)
     spacing = np.hypot(*np.diff(points[:, :2], axis=0).T).max() if len(points) < 3 * DENSE else 0.01
-    box = np.empty((2 * len(si), 4))
-    fill_boxes(si, sf, cp, box)
     rng = np.random.default_rng(7)
     centres = rng.uniform(-0.5, 0.5, (60, 2))
     for x, y in centres:
@@ -41,7 +39,7 @@ def test_depths_and_feet_agree_with_dense_sampling(name: str) -> None:
         # the true distance is at most that of the samples, and nearly it
         for factor in (0.9, 1.0, 1.3):
             r = factor * nearest
-            depth = float(_depths(table, box, np.array([[x, y, r]]))[0])
+            depth = float(_depths(table, np.array([[x, y, r]]))[0])
             assert depth >= max(0.0, r - nearest) - 1e-15
             assert depth <= max(0.0, r - nearest + 0.5 * spacing * spacing / max(nearest, spacing) + 1e-7)
         for site in np.unique(points[:, 2]).astype(int)[:6]:
@@ -57,10 +55,8 @@ def test_depths_and_feet_agree_with_dense_sampling(name: str) -> None:
 
 def test_disc_of_no_size_and_of_no_end() -> None:
     table = accused("letter").table
-    box = np.empty((2 * len(table.si), 4))
-    fill_boxes(table.si, table.sf, table.cp, box)
     probe = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 0.0, np.inf], [0.0, 0.0, np.nan]])
-    assert _depths(table, box, probe).tolist() == [0.0, 0.0, np.inf, 0.0]
+    assert _depths(table, probe).tolist() == [0.0, 0.0, np.inf, 0.0]
 
 
 def test_ball_between_two_lines() -> None:
