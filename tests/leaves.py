@@ -20,6 +20,7 @@ LEVEL = 1e-8  # relative change of curvature below which an arc is circular
 JOINT_BLUR = 1e-14  # rounding of a cell's second derivative, in its own parameter: what two cells differ by where they meet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
 DOUBT = 1e-7  # up to here nobody can say
+FLAT = 1e-5  # radians; a corner that turns by less is not seen with certainty
 ROUGH = 1e-3  # the disc at the highest point of the grid is this far from empty: so is the sharpened one
 
 
@@ -32,7 +33,8 @@ class Leaves(NamedTuple):
 
 def count_leaves(reference: Reference) -> Leaves:
     """Leaves of the axis, by corners and curvature."""
-    count = sum(c.turn > 0 for c in reference.corners)
+    count = sum(c.turn > FLAT for c in reference.corners)
+    flat_corners = sum(0 < c.turn <= FLAT for c in reference.corners)
     at_rest = {int(i) for i in np.nonzero(reference.stalls)[0]}
     doubtful = 2 * sum(c.turn < 0 and c.cell in at_rest for c in reference.corners)  # a leaf of radius 0 for each side
     for cell, s, flat in candidates(reference):
@@ -46,11 +48,13 @@ def count_leaves(reference: Reference) -> Leaves:
             continue
         if short > EMPTY:
             doubtful += 1
+        elif flat and flat_corners:
+            doubtful += 1  # an arc between corners that are too flat to see: its disc or the corners
         elif flat:
             count += len(contact_parts(reference, center, 1e-9)) == 1 and not _whole(reference, center)
         else:
             count += 1
-    return Leaves(int(count), doubtful)
+    return Leaves(int(count), doubtful + flat_corners)
 
 
 def _whole(reference: Reference, center: Floats) -> bool:
