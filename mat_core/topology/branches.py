@@ -404,8 +404,8 @@ def solve_faces(si, sf, cp, tree, stack, tie, face_start, stack_i, stack_f, disc
     """Resolve every face into strips; returns (status, discs, contacts, strips, whole contacts, place).
 
     The faces stand one after the other in `stack_i` (site, closing disc) and `stack_f` (lo, hi), bounded by `face_start`
-    (rows 0 .. faces); smaller faces are put where the larger one stood. A face of many arcs is halved by a disc first. New contacts
-    are appended to disc_of, contact_site, contact_s. `place` is a site near the trouble when the status is not OK.
+    (rows 0 .. faces); smaller faces are put where the larger one stood. A face of many arcs is halved by a disc first. New
+    contacts are appended to disc_of, contact_site, contact_s. `place` is a site near the trouble when the status is not OK.
     """
     n_strips = 0
     n_whole = 0
