@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tests.assertions import contact_parts
-from tests.reference import Floats, Ints, Reference
+from tests.reference import SMOOTH_TURN, Floats, Ints, Reference
 
 LARGEST = 2.0  # no disc of a domain of size one is larger
 LEVEL = 1e-8  # relative change of curvature below which an arc is circular
@@ -33,8 +33,8 @@ class Leaves(NamedTuple):
 
 def count_leaves(reference: Reference) -> Leaves:
     """Leaves of the axis, by corners and curvature."""
-    count = sum(c.turn > FLAT for c in reference.corners)
-    flat_corners = sum(0 < c.turn <= FLAT for c in reference.corners)
+    flat_corners = sum(SMOOTH_TURN < c.turn <= FLAT for c in reference.corners)
+    count = sum(c.turn > 0 for c in reference.corners) - flat_corners
     at_rest = {int(i) for i in np.nonzero(reference.stalls)[0]}
     doubtful = 2 * sum(c.turn < 0 and c.cell in at_rest for c in reference.corners)  # a leaf of radius 0 for each side
     for cell, s, flat in candidates(reference):
