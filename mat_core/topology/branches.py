@@ -250,6 +250,8 @@ def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
     for _ in range(FOOT_STEPS):
         x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, i, s, cx, cy)
         g = x * x1 + y * y1
+        if g == 0.0:
+            break
         if g > 0.0:
             b = s
         else:
