@@ -127,7 +127,10 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     phi, winner, s = query(si, sf, cp, tree, stack, j, 0.0, nx, ny, before, hint, K_LOW)
     if arcs > 0 and own >= phi * (1.0 - max(tie, 2.0 * rough)):
         return OK, ARC_CONTACT, px + nx / own, py + ny / own, 1.0 / own, arcs, 0.0
-    if own >= phi * (1.0 - OWN_RELATIVE) - _phi_noise(si, sf, cp, j, winner, s):
+    noise = _phi_noise(si, sf, cp, j, winner, s)
+    # an osculating disc that touches elsewhere as well is no leaf: the branch to it has no length
+    elsewhere = 0.0 < noise < tie * own and phi >= own * (1.0 - tie)
+    if own >= phi * (1.0 - OWN_RELATIVE) - noise and not elsewhere:
         grows = (left and _grows(kl, sf[before, K0])) or (right and _grows(kr, sf[j, K1]))
         if not grows or winner < 0:
             return OK, CURVATURE_LEAF, px + nx / own, py + ny / own, 1.0 / own, -1, 0.0
