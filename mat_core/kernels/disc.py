@@ -279,10 +279,6 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
 
     # 2. Newton on psi, kept inside the bracket
     s = 0.5 * (a + b)
-    if above > 0.0 >= below:
-        s = a + (b - a) * above / (above - below)
-        if not a < s < b:
-            s = 0.5 * (a + b)
     for _ in range(NEWTON_STEPS):
         x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
         dx = x - dpx
@@ -296,7 +292,8 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
         iy = y1 * dd - along * dy
         psi = math.atan2(nx * ix + ny * iy, nx * iy - ny * ix)
         slope = (x1 * y2 - y1 * x2) / ss + 2.0 * (dy * x1 - dx * y1) / dd
-        if psi > 0.0:
+        # where psi rises, the root lies on the other side of it, however small psi is there
+        if (psi > 0.0) if slope < 0.0 else wa >= 0.0:
             a = s
         else:
             b = s
