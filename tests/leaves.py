@@ -17,9 +17,10 @@ from tests.reference import SMOOTH_TURN, Floats, Ints, Reference
 
 LARGEST = 2.0  # no disc of a domain of size one is larger
 LEVEL = 1e-8  # relative change of curvature below which an arc is circular
-JOINT_BLUR = 1e-14  # rounding of a cell's second derivative, in its own parameter: what two cells differ by where they meet
+JOINT_BLUR = 1e-11  # rounding of a cell's second derivative, in its own parameter: what two cells differ by where they meet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
 DOUBT = 1e-7  # up to here nobody can say
+AROUND = 4  # points of the grid on either side that a maximum is above; where cells meet, rounding makes maxima of one
 FLAT = 1e-5  # radians; a corner that turns by less is not seen with certainty
 ROUGH = 1e-3  # the disc at the highest point of the grid is this far from empty: so is the sharpened one
 
@@ -74,7 +75,9 @@ def candidates(reference: Reference) -> list[tuple[int, float, bool]]:
         peaks = [
             (a, b)
             for a, b in runs
-            if 1e200 > k[a] >= 1 / LARGEST and (a == 0 or k[a - 1] <= k[a]) and (b == len(k) - 1 or k[b + 1] <= k[b])
+            if 1e200 > k[a] >= 1 / LARGEST
+            and k[max(0, a - AROUND) : a].max(initial=-np.inf) <= k[a]
+            and k[b + 1 : b + 1 + AROUND].max(initial=-np.inf) <= k[b]
         ]
         if not peaks:
             continue
