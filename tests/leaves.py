@@ -21,7 +21,7 @@ JOINT_BLUR = 1e-11  # rounding of a cell's second derivative, in its own paramet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
 DOUBT = 1e-7  # up to here nobody can say
 AROUND = 4  # points of the grid on either side that a maximum is above; where cells meet, rounding makes maxima of one
-FLAT = 1e-5  # radians; a corner that turns by less is not seen with certainty
+FLAT = 1e-4  # radians; a corner that turns by less is not seen with certainty
 ROUGH = 1e-3  # the disc at the highest point of the grid is this far from empty: so is the sharpened one
 
 

@@ -55,6 +55,7 @@ YIELD = 4.0  # ties
 CONCENTRIC = 1e-6  # a centre this near to that of curvature, relative to its radius, moves its nearest point by rounding alone
 FOOT_STEPS = 40
 POLISH_STEPS = 6
+LEVER = 1e4  # a step this many times what it mends goes where two contacts that nearly are one leave the disc free
 CLEARLY = 1e-6  # relative difference of curvatures seen across a nearly smooth corner that is no rounding
 SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
 CURVED = 8.0  # a curved arc is walked along rather than a straight one this much longer: its partners are better told apart
@@ -323,7 +324,8 @@ def _polish(si, sf, cp, site, s, lo, hi, disc, d):
         f = d2 - d0
         mx = (e * by - f * ay) / det
         my = (ax * f - bx * e) / det
-        if math.sqrt(mx * mx + my * my) > 1e-7 * d0:
+        move = math.sqrt(mx * mx + my * my)
+        if move > 1e-7 * d0 or move > LEVER * miss:
             return
         cx += mx
         cy += my
