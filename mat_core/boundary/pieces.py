@@ -32,6 +32,7 @@ MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
 SHORT = 256.0  # roundings: a piece shorter than this has no direction of its own
 TRIM = 2e-12  # a bend at an end of an edge that is shorter than this is cut off: it has no direction of its own
+SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
 HAIRPIN = 0.1  # radians; what turns by less is no such bend
 UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
 SMALLEST_PART = 2.0**-40
@@ -315,14 +316,16 @@ def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
         if _distance_from(cp, c0, deg, rational, end, roots[i]) >= TRIM:
             break
         tip = i
-    if tip < 0:
+    p = c0 + deg * end
+    q = p + (1 - 2 * end)
+    handle = math.sqrt((cp[q, 0] - cp[p, 0]) ** 2 + (cp[q, 1] - cp[p, 1]) ** 2)
+    if tip < 0 and (handle == 0.0 or handle > SHORT_HANDLE):
         return float(end)
-    near = roots[tip]
+    near = roots[tip] if tip >= 0 else float(end)
     far = 1.0 - end
-    if end == 0 and tip + 1 < n_roots:
-        far = roots[tip + 1]
-    elif end == 1 and tip > 0:
-        far = roots[tip - 1]
+    beyond = tip + 1 if end == 0 else (tip if tip >= 0 else n_roots) - 1
+    if 0 <= beyond < n_roots:
+        far = roots[beyond]
     for _ in range(60):
         m = 0.5 * (near + far)
         if _distance_from(cp, c0, deg, rational, end, m) < 2.0 * TRIM:

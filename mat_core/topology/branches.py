@@ -136,13 +136,17 @@ def _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie):
 
 
 @jit
+def _meet(si, i, j):
+    """Whether sites i and j have a vertex in common."""
+    return i != j and (si[i, V0] == si[j, V1] or si[i, V1] == si[j, V0])
+
+
+@jit
 def _common_end(si, i, j):
-    """0 or 1 when sites i and j meet at the start or at the end of i, else -1."""
-    if si[i, KIND] == FAN or si[j, KIND] == FAN or i == j:
+    """0 or 1 when pieces i and j meet at the start or at the end of i, else -1."""
+    if si[i, KIND] == FAN or si[j, KIND] == FAN or not _meet(si, i, j):
         return -1
-    if si[i, V0] == si[j, V1]:
-        return 0
-    return 1 if si[i, V1] == si[j, V0] else -1
+    return 0 if si[i, V0] == si[j, V1] else 1
 
 
 @jit
@@ -232,8 +236,13 @@ def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
     if kind == LINE:
         return min(max((dx * tx + dy * ty) / sf[i, LEN], lo), hi)
     if kind == FAN:
-        # the normal (-ty, tx) of the first side is turned by s SWEEP towards the centre
-        return min(max(math.atan2(-ty * dy - tx * dx, -ty * dx + tx * dy) / sf[i, SWEEP], lo), hi)
+        # from the middle normal, so that half a turn has both its ends
+        half = 0.5 * sf[i, SWEEP]
+        ch = math.cos(half)
+        sh = math.sin(half)
+        mx = -(sh * tx + ch * ty)
+        my = ch * tx - sh * ty
+        return min(max(0.5 + math.atan2(mx * dy - my * dx, mx * dx + my * dy) / sf[i, SWEEP], lo), hi)
     if kind == ARC:
         # direction from the arc's centre against that of its start, both times k: the start lies at -n
         ux = sf[i, K0] * dx + ty
@@ -355,8 +364,8 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
         hi = bracket_f[top, 1]
         s, phi, sl, sr = _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie)
         # beside a vertex of both, phi is steep: the other one has the better value where they meet
-        beside_left = _common_end(si, site, w_i[left, 0]) >= 0
-        beside_right = _common_end(si, site, w_i[right, 0]) >= 0
+        beside_left = _meet(si, site, w_i[left, 0])
+        beside_right = _meet(si, site, w_i[right, 0])
         if beside_left != beside_right:
             phi = _touch_arc(si, sf, cp, site, s, w_i, w_f, right if beside_left else left, tie)[0]
         # both may lie behind the tangent at s, where a third arc wins: no disc is larger than K_LOW allows
