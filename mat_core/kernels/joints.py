@@ -35,6 +35,7 @@ NEAR_PATH = 16.0  # gaps of boundary path within which two points are one corner
 THIN = 64.0  # gaps: a thinner tip is accepted; beyond it even branches that part like x**5 are 64 / 2**5 gaps apart
 COINCIDENT = 2.0  # gaps: pieces nearer than this from end to end run back along each other
 TIP_NOISE = 8.0  # roundings of the control points that may turn a tangent or bend a curve
+SHORT_HANDLE = 1e6  # in gaps: a handle this short bends its curve back within a few gaps of V, where nothing is told apart
 SAME_BEND = 1e-9  # relative difference below which two branches of a cusp bend alike
 SAME_DIRECTION = 1e-10  # sine below which two cone sides count as one
 NO_DIRECTION = 1e-15  # control points this near to V tell no direction: the rounding of normalised coordinates
@@ -182,7 +183,7 @@ def order_at_tip(pcp: Floats, va: int, p: int, vb: int, q: int, gap: float, nois
     """
     a = distance(pcp, va, pcp, va - 1)
     b = distance(pcp, vb, pcp, vb + 1)
-    if min(a, b) <= TIP_NOISE * noise:
+    if min(a, b) <= max(TIP_NOISE * noise, SHORT_HANDLE * gap):
         return 0.0
     ax = (pcp[va - 1, 0] - pcp[va, 0]) / a
     ay = (pcp[va - 1, 1] - pcp[va, 1]) / a
