@@ -36,6 +36,8 @@ SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
 HAIRPIN = 0.1  # radians; what turns by less is no such bend
 UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
 SMALLEST_PART = 2.0**-40
+TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
+SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
 SCRATCH_ROWS = 24
 _X, _Y, _W, _X1, _Y1, _W1, _X2, _Y2, _W2, _X3, _Y3, _W3 = range(12)
 _T0, _T1, _DET, _DETD, _A, _B, _AD, _BD, _Q, _S, _N = range(12, 23)
@@ -337,6 +339,32 @@ def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
 
 
 @jit
+def _tight_cut(cp, c0, deg, rational, begin, end):
+    """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`."""
+    x, y, ax, ay, bx, by = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
+    x, y, dx, dy, ex, ey = bezier_frame(cp, c0, deg, rational, end, cp[c0, 0], cp[c0, 1])
+    first = ax * ax + ay * ay
+    last = dx * dx + dy * dy
+    if first == 0.0 or last == 0.0:
+        return end
+    k0 = abs(ax * by - ay * bx) / (first * math.sqrt(first))
+    k1 = abs(dx * ey - dy * ex) / (last * math.sqrt(last))
+    half = 0.5 * math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)
+    if max(k0, k1) < TIGHT or max(k0, k1) < TIGHT * TIGHT * min(k0, k1) or abs(half) < SLIGHT:
+        return end
+    lo = begin
+    hi = end
+    for _ in range(60):
+        m = 0.5 * (lo + hi)
+        x, y, dx, dy, ex, ey = bezier_frame(cp, c0, deg, rational, m, cp[c0, 0], cp[c0, 1])
+        if abs(math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)) < abs(half):
+            lo = m
+        else:
+            hi = m
+    return lo if begin < lo < end else end
+
+
+@jit
 def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table, work,
                 bounds, roots):
     """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small."""
@@ -371,6 +399,8 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             end = stop
             while kind != LINE and end - begin > 1e-9 and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
                 end = begin + 0.5 * (end - begin)
+            if kind == SPIRAL:
+                end = _tight_cut(cp, c0, deg, rational, begin, end)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                 return -1, cp_used
             _place_part(cp, c0, deg, rational, begin, end, table, cp_used, pieces_f, count)
