@@ -10,13 +10,13 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import K0, K1, TX0, TY0, X0, X1, Y0, Y1
 
 CUSP_ANGLE = 1e-7  # a turn nearer than this to a half turn is a cusp, its side is decided by the curves, not by the angle
 
 
-@jit
+@inner
 def _limit_frame(cp, first, step, deg, i, noise):
     """Limit tangent and curvature when control points first, first+step, ... coincide up to the i-th."""
     x0 = cp[first, 0]
@@ -49,7 +49,7 @@ def _limit_frame(cp, first, step, deg, i, noise):
     return tx, ty, 0.0
 
 
-@jit
+@inner
 def end_frame(cp, c0, deg, at_end, noise):
     """(tx, ty, k): unit tangent in the direction of travel and one-sided curvature at an end of a Bezier of degree >= 2.
 
@@ -77,7 +77,7 @@ def end_frame(cp, c0, deg, at_end, noise):
     return 1.0, 0.0, 0.0
 
 
-@jit
+@inner
 def _height_at(si, sf, cp, i, backwards, distance, ex, ey):
     """How far piece i lies to the left of the ray e at this distance along it, walking from its joint."""
     ox = sf[i, X1] if backwards else sf[i, X0]
@@ -96,13 +96,13 @@ def _height_at(si, sf, cp, i, backwards, distance, ex, ey):
     return y
 
 
-@jit
+@inner
 def _reach(sf, i, ex, ey):
     """Extent of a piece along e, between its ends."""
     return abs((sf[i, X1] - sf[i, X0]) * ex + (sf[i, Y1] - sf[i, Y0]) * ey)
 
 
-@jit
+@inner
 def cusp_is_convex(si, sf, cp, before, after):
     """Whether the interior is the thin side of the cusp between two pieces (a leaf) or all around it (a fan of half a turn).
 

@@ -18,7 +18,7 @@ from mat_core.boundary.joints import end_frame
 from mat_core.kernels.bernstein import add_product, clear_row, restrict_row, scale_row, sign_changes
 from mat_core.kernels.bezier import balance, restrict
 from mat_core.kernels.curve import bezier_frame
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
 
 # columns of the tables of pieces
@@ -48,7 +48,7 @@ def scratch_width(max_degree: int) -> int:
     return 8 * max_degree + 2
 
 
-@jit
+@inner
 def _derivatives(cp, c0, deg, rational, table):
     """Scaled Bernstein rows of X, Y, w and three derivatives, about the first control point."""
     for i in range(deg + 1):
@@ -68,7 +68,7 @@ def _derivatives(cp, c0, deg, rational, table):
                 scale_row(table, 3 * order + axis, deg - order, True)
 
 
-@jit
+@inner
 def _determinant(table, d, higher, out):
     """out = det[A, A', A^(h)] for the derivative rows starting at `higher` (of degree d - h)."""
     n1 = d - 1
@@ -82,7 +82,7 @@ def _determinant(table, d, higher, out):
         add_product(table, _X + axis, d, _T0, n1 + nh, out, 1.0)
 
 
-@jit
+@inner
 def _at_cusp(cp, c0, deg, rational, s):
     """The zero of the speed near s, if there is one: there N has a triple zero, C'.C'' a simple one."""
     at = s
@@ -100,7 +100,7 @@ def _at_cusp(cp, c0, deg, rational, s):
     return at if math.sqrt(x1 * x1 + y1 * y1) <= 1e-11 * largest and 0.0 < at < 1.0 else s
 
 
-@jit
+@inner
 def curvature_changes(cp, c0, deg, rational, table, work, bounds, roots):
     """Write the parameters in (0, 1) where the curvature of a Bezier turns from rising to falling or back; their number."""
     d = deg
@@ -159,7 +159,7 @@ def curvature_changes(cp, c0, deg, rational, table, work, bounds, roots):
     return count
 
 
-@jit
+@inner
 def total_turning(cp, c0, deg, rational, begin, end):
     """Sum of the absolute turns of the tangent between nine parameters (pieces here have at most one inflection)."""
     total = 0.0
@@ -176,7 +176,7 @@ def total_turning(cp, c0, deg, rational, begin, end):
     return total
 
 
-@jit
+@inner
 def is_straight(cp, c0, deg, rounding):
     """True if all control points lie on the chord, in order, up to rounding."""
     ex = cp[c0 + deg, 0] - cp[c0, 0]
@@ -197,7 +197,7 @@ def is_straight(cp, c0, deg, rounding):
     return True
 
 
-@jit
+@inner
 def circle_of(cp, c0, deg, rounding, table):
     """(curvature, centre x, centre y) if the rational Bezier is a circular arc up to rounding, else curvature 0.
 
@@ -238,7 +238,7 @@ def circle_of(cp, c0, deg, rounding, table):
     return turn / radius, cp[c0, 0] + cx, cp[c0, 1] + cy
 
 
-@jit
+@inner
 def _place_part(cp, c0, deg, rational, begin, end, table, target, pieces_f, row):
     """Start of the part [begin, end], and its control points relative to that to rows target.. of `cp`.
 
@@ -277,7 +277,7 @@ def _place_part(cp, c0, deg, rational, begin, end, table, target, pieces_f, row)
             y += (end - begin) * table[_Y1, i]
 
 
-@jit
+@inner
 def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row):
     """Unit tangents and curvatures at both ends of a part, from the whole Bezier unless that stands still there."""
     for side in range(2):
@@ -298,7 +298,7 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
         pieces_f[row, P_FRAME + 3 * side + 2] = k
 
 
-@jit
+@inner
 def _distance_from(cp, c0, deg, rational, end, s):
     """Distance of the point at s from the first (end = 0) or last (end = 1) control point."""
     p = c0 + deg * end
@@ -306,7 +306,7 @@ def _distance_from(cp, c0, deg, rational, end, s):
     return math.sqrt(x * x + y * y)
 
 
-@jit
+@inner
 def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
     """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off.
 
@@ -338,7 +338,7 @@ def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
     return far if turning > HAIRPIN else float(end)
 
 
-@jit
+@inner
 def _tight_cut(cp, c0, deg, rational, begin, end):
     """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`."""
     x, y, ax, ay, bx, by = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
@@ -364,7 +364,7 @@ def _tight_cut(cp, c0, deg, rational, begin, end):
     return lo if begin < lo < end else end
 
 
-@jit
+@inner
 def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table, work,
                 bounds, roots):
     """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small."""
@@ -426,7 +426,7 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
     return count, cp_used
 
 
-@jit
+@inner
 def _is_uneven(cp, c0, deg):
     """Whether the weights of a Bezier differ so much that the signs of k' drown in rounding."""
     low = high = cp[c0, 2]

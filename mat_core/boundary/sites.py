@@ -37,7 +37,7 @@ from mat_core.boundary.pieces import (
 )
 from mat_core.kernels.bernstein import MAX_DEPTH
 from mat_core.kernels.bezier import balance, decompose
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import (
     ARC,
     CONVEX_VERTEX,
@@ -153,7 +153,7 @@ def _collect_beziers(
     return count, used
 
 
-@jit
+@inner
 def _fill_piece(pieces_i, pieces_f, p, after, cp, site, loop, si, sf):
     """Step 3 for piece p, which ends where `after` starts: its row of the table."""
     deg = pieces_i[p, P_DEG]
@@ -222,7 +222,7 @@ def _fill_piece(pieces_i, pieces_f, p, after, cp, site, loop, si, sf):
     sf[site, LEN] = length
 
 
-@jit
+@inner
 def _fill_fan(site, before, after, turn, si, sf):
     """Step 3 for one reflex vertex: the point with the normals between those of both pieces."""
     for column in range(SI_WIDTH):
@@ -246,7 +246,7 @@ def _fill_fan(site, before, after, turn, si, sf):
     sf[site, SKEW] = 1.0
 
 
-@jit
+@inner
 def _move_site(source, target, si, sf):
     """Copy one row of the table."""
     for column in range(SI_WIDTH):

@@ -33,7 +33,7 @@ from mat_core.curves.fit import (
     fit_strips,
 )
 from mat_core.errors import NotCertified
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import EDGE, LOOP
 from mat_core.model.domain import Domain
 from mat_core.topology.graph import AxisGraph
@@ -49,7 +49,7 @@ TRACE_ROUNDING = 1e-13  # nor that of a fitted piece less than the rounding of t
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
 
 
-@jit
+@inner
 def raise_degree(cp: Floats, row: int, degree: int, wanted: int, out: Floats, to: int, backwards: bool) -> None:
     """Write a Bezier with `wanted` + 1 control points, reversed on request; rows are x, y, r, w (not multiplied)."""
     for j in range(wanted + 1):
@@ -79,7 +79,7 @@ def raise_degree(cp: Floats, row: int, degree: int, wanted: int, out: Floats, to
         out[place, 3] = w
 
 
-@jit
+@inner
 def _smooth_span(cp: Floats, joint: int, span: float) -> tuple[float, float]:
     """(span of the next piece that makes the joint at row `joint` C1, its distance from its neighbours' line)."""
     before = 0.0

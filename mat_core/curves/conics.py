@@ -29,7 +29,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import ARC, FAN, K0, KIND, LINE, SPIRAL, SWEEP, TX0, TY0, X0, Y0
 
 Floats = NDArray[np.float64]
@@ -44,7 +44,7 @@ EXACT = 1e-13  # an error this small is rounding
 FLAT_APEX = 1e-3  # least slope dQ/dr used to turn a residual into a length; only matters at the apex of a cone
 
 
-@jit
+@inner
 def side_quadric(si: Ints, sf: Floats, i: int) -> tuple[float, float, float, float, float, float]:
     """(px, py, nx, ny, kappa, sigma) of a LINE, ARC or FAN."""
     px = sf[i, X0]
@@ -62,7 +62,7 @@ def side_quadric(si: Ints, sf: Floats, i: int) -> tuple[float, float, float, flo
     return px, py, nx, ny, k, 1.0
 
 
-@jit
+@inner
 def swing(si: Ints, sf: Floats, i: int) -> float:
     """How far the normal turns along a whole LINE, ARC or FAN, left positive."""
     if si[i, KIND] == LINE:
@@ -70,13 +70,13 @@ def swing(si: Ints, sf: Floats, i: int) -> float:
     return float(sf[i, SWEEP])
 
 
-@jit
+@inner
 def is_conic(si: Ints, a: int, b: int) -> bool:
     """Whether the axis between two sites has a closed form."""
     return bool(si[a, KIND] != SPIRAL and si[b, KIND] != SPIRAL)
 
 
-@jit
+@inner
 def conic_kind(si: Ints, sf: Floats, a: int, b: int) -> int:
     """What the centres run on, from the sides: focal radii of constant sum (ellipse) or difference (hyperbola)."""
     if si[a, KIND] == LINE and si[b, KIND] == LINE:
@@ -94,7 +94,7 @@ def conic_kind(si: Ints, sf: Floats, a: int, b: int) -> int:
     return K_HYPERBOLA
 
 
-@jit
+@inner
 def _residual(
     px: float, py: float, nx: float, ny: float, kappa: float, sigma: float, x: float, y: float, r: float
 ) -> float:

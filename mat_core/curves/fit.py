@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from mat_core.curves.conics import K_FREEFORM, MAX_TURN, conic, conic_kind, is_conic, swing
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import FAN, KIND, LEN, LINE, SPIRAL, SWEEP, V0, V1
 from mat_core.tracing.strip import trace
 
@@ -66,7 +66,7 @@ CLOSED_FORM_BONUS = 0.1  # sample a free-form side unless it is this much shorte
 PARALLEL = 1e-9  # |n1 - n2| below which two normals at one vertex are one
 
 
-@jit
+@inner
 def _fraction(m: int, k: int) -> float:
     """Abscissa k = 0 .. 2 m of checks (even) and nodes (odd), for m nodes."""
     mirrored = k > m
@@ -85,7 +85,7 @@ def _fraction(m: int, k: int) -> float:
     return 1.0 - f if mirrored else f
 
 
-@jit
+@inner
 def _binomial(n: int, k: int) -> float:
     """The binomial coefficient n over k; 0 outside the triangle."""
     if k < 0 or k > n:
@@ -96,7 +96,7 @@ def _binomial(n: int, k: int) -> float:
     return c
 
 
-@jit
+@inner
 def tangent(
     si: Ints, sf: Floats, cp: Floats, a: int, sa: float, b: int, sb: float, r: float, sign: float
 ) -> tuple[float, float, float]:
@@ -119,7 +119,7 @@ def tangent(
     return tx, ty, ty * ax - tx * ay
 
 
-@jit
+@inner
 def _travel(si: Ints, sf: Floats, i: int, s0: float, s1: float, r0: float, r1: float) -> float:
     """How far the disc rolls along a side, roughly."""
     if si[i, KIND] == FAN:
@@ -127,7 +127,7 @@ def _travel(si: Ints, sf: Floats, i: int, s0: float, s1: float, r0: float, r1: f
     return abs(sf[i, LEN] * (s1 - s0))
 
 
-@jit
+@inner
 def _choose_side(si: Ints, sf: Floats, a: int, b: int, ends: Floats, r0: float, r1: float) -> int:
     """The side to sample through: the longer travel; free-form against closed form is preferred for its speed."""
     along_a = _travel(si, sf, a, ends[0], ends[1], r0, r1)
@@ -139,7 +139,7 @@ def _choose_side(si: Ints, sf: Floats, a: int, b: int, ends: Floats, r0: float, 
     return 0 if along_a >= along_b else 1
 
 
-@jit
+@inner
 def _sample(
     si: Ints, sf: Floats, cp: Floats, i: int, s: float, j: int, lo: float, hi: float, stack: Floats, top: int,
     samples: Floats, row: int,
@@ -158,7 +158,7 @@ def _sample(
     samples[row, 5] = sj
 
 
-@jit
+@inner
 def _hermite(stack: Floats, top: int, out: Floats) -> bool:
     """Bernstein coefficients (4, 3) of the cubic H over tau; False when an end tangent leans away from the chord."""
     ux = stack[2 * top + 1, I_X] - stack[2 * top, I_X]
@@ -185,7 +185,7 @@ def _hermite(stack: Floats, top: int, out: Floats) -> bool:
     return good
 
 
-@jit
+@inner
 def _bulge(hermite: Floats, t: float, m: int) -> float:
     """Component m of H at t."""
     s = 1.0 - t
@@ -194,7 +194,7 @@ def _bulge(hermite: Floats, t: float, m: int) -> float:
     )
 
 
-@jit
+@inner
 def _miss(samples: Floats, row: int, m: int, hermite: Floats, newton: Floats) -> float:
     """Distance of the sample in one row from the fit."""
     t = samples[row, 0]
@@ -209,7 +209,7 @@ def _miss(samples: Floats, row: int, m: int, hermite: Floats, newton: Floats) ->
     return math.sqrt(off)
 
 
-@jit
+@inner
 def _interpolate(samples: Floats, m: int, hermite: Floats, newton: Floats) -> float:
     """Newton coefficients (m, 3) of g through the nodes (odd rows of `samples`); largest distance from the checks."""
     for i in range(m):
@@ -228,7 +228,7 @@ def _interpolate(samples: Floats, m: int, hermite: Floats, newton: Floats) -> fl
     return worst
 
 
-@jit
+@inner
 def _write_piece(samples: Floats, m: int, hermite: Floats, newton: Floats, work: Floats, out: Floats, row: int) -> None:
     """Bezier control points of degree m + 3: H raised in degree, plus tau^2 (1 - tau)^2 g in Bernstein form."""
     n = m + 3
@@ -257,13 +257,13 @@ def _write_piece(samples: Floats, m: int, hermite: Floats, newton: Floats, work:
             out[row + i + 2, c] += work[i] * _binomial(m - 1, i) / _binomial(n, i + 2)
 
 
-@jit
+@inner
 def _share(f: float, half: float) -> float:
     """Share of the way in s where tau is about f, when tau is `half` in the middle."""
     return f * (1.0 - half) / (f * (1.0 - 2.0 * half) + half)
 
 
-@jit
+@inner
 def _check_ends(
     si: Ints, sf: Floats, cp: Floats, i: int, j: int, lo: float, hi: float, stack: Floats, top: int, m: int,
     samples: Floats, hermite: Floats, newton: Floats,
@@ -300,7 +300,7 @@ def _check_ends(
     return worst
 
 
-@jit
+@inner
 def _attempt(
     si: Ints, sf: Floats, cp: Floats, i: int, j: int, lo: float, hi: float, stack: Floats, top: int, m: int,
     samples: Floats, hermite: Floats, newton: Floats,
@@ -354,7 +354,7 @@ def _straight(samples: Floats, m: int, stack: Floats, top: int, out: Floats, row
     return max(math.sqrt(off), 0.5 * math.sqrt(dd) if dd > LOST * LOST else 0.0)
 
 
-@jit
+@inner
 def _polygon_length(cp: Floats, row: int, degree: int) -> float:
     """Between the chord and the control polygon, in (x, y): (2 chord + (n - 1) polygon) / (n + 1) (Gravesen 1997)."""
     polygon = 0.0
@@ -364,7 +364,7 @@ def _polygon_length(cp: Floats, row: int, degree: int) -> float:
     return (2.0 * chord + (degree - 1.0) * polygon) / (degree + 1.0)
 
 
-@jit
+@inner
 def _finish_piece(
     piece_i: Ints, piece_f: Floats, piece_cp: Floats, p: int, strip: int, s0: float, s1: float, error: float
 ) -> None:
@@ -377,7 +377,7 @@ def _finish_piece(
     piece_f[p, P_LENGTH] = _polygon_length(piece_cp, ROWS * p, degree)
 
 
-@jit
+@inner
 def _conic_strip(
     si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, strip: int, ends: Floats,
     p0: Floats, p2: Floats, piece_i: Ints, piece_f: Floats, piece_cp: Floats, count: int,
@@ -435,7 +435,7 @@ def _conic_strip(
     return count
 
 
-@jit
+@inner
 def _put_end(stack: Floats, row: int, s: float, x: float, y: float, r: float, t: tuple[float, float, float]) -> None:
     """One end of an interval."""
     stack[row, I_S] = s
@@ -447,7 +447,7 @@ def _put_end(stack: Floats, row: int, s: float, x: float, y: float, r: float, t:
     stack[row, I_TX + 2] = t[2]
 
 
-@jit
+@inner
 def _free_strip(
     si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, strip: int, ends: Floats,
     side: int, tolerance: float, m: int, stack: Floats, samples: Floats, hermite: Floats, newton: Floats, work: Floats,

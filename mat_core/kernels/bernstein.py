@@ -6,13 +6,13 @@ where a product is a plain convolution.
 
 from __future__ import annotations
 
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 
 MAX_DEPTH = 44  # halvings of [0, 1] before a cluster of sign changes is taken as one
 NOISE = 1e-15  # coefficients below this share of the largest carry no sign
 
 
-@jit
+@inner
 def scale_row(table, row, n, to_scaled):
     """Multiply (or divide) the n + 1 coefficients of a row by the binomials of degree n."""
     binomial = 1.0
@@ -24,7 +24,7 @@ def scale_row(table, row, n, to_scaled):
         binomial = binomial * (n - i) / (i + 1.0)
 
 
-@jit
+@inner
 def add_product(table, a, na, b, nb, out, factor):
     """out += factor * a * b for scaled rows of degrees na, nb (out of degree na + nb)."""
     for i in range(na + 1):
@@ -34,7 +34,7 @@ def add_product(table, a, na, b, nb, out, factor):
                 table[out, i + j] += c * table[b, j]
 
 
-@jit
+@inner
 def restrict_row(table, row, n, a, b):
     """Bernstein coefficients over [a, b] instead of [0, 1], 0 <= a < b <= 1, by convex steps."""
     if b < 1.0:
@@ -48,14 +48,14 @@ def restrict_row(table, row, n, a, b):
                 table[row, i] = (1.0 - share) * table[row, i] + share * table[row, i + 1]
 
 
-@jit
+@inner
 def clear_row(table, row, n):
     """Set the n + 1 coefficients of a row to zero."""
     for i in range(n + 1):
         table[row, i] = 0.0
 
 
-@jit
+@inner
 def _value(work, row, n, s):
     """Value at s of the polynomial in a row of Bernstein coefficients, by Horner's scheme on the ratio."""
     t = 1.0 - s
@@ -82,7 +82,7 @@ def _halve(work, row, n):
         work[row, level] = work[row + 1, 0]
 
 
-@jit
+@inner
 def _first_sign(work, row, n, noise):
     """Sign of the first coefficient that stands out of the noise; 0 if none does."""
     for i in range(n + 1):
@@ -91,7 +91,7 @@ def _first_sign(work, row, n, noise):
     return 0.0
 
 
-@jit
+@inner
 def _last_sign(work, row, n, noise):
     """Sign of the last coefficient that stands out of the noise; 0 if none does."""
     for i in range(n, -1, -1):
@@ -100,7 +100,7 @@ def _last_sign(work, row, n, noise):
     return 0.0
 
 
-@jit
+@inner
 def sign_changes(poly, row, n, work, bounds, roots):
     """Write where the polynomial (Bernstein coefficients in `poly[row]`) changes sign in (0, 1); returns their number.
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.kernels.curve import bezier_frame
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 
 BALANCED = 0.25  # ratio of the last weight of a Bezier to the first down to which (and up to 1 / it) it is left alone
 
@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@jit
+@inner
 def blend(rows: Floats, i: int, j: int, k: int, a: float) -> None:
     """Row `k` becomes the point at `a` in [0, 1] between rows `i` and `j`; a = 0 and a = 1 give those rows exactly."""
     w0 = (1.0 - a) * rows[i, 2]
@@ -121,7 +121,7 @@ def restrict(cp: Floats, c0: int, degree: int, t0: float, t1: float, out: Floats
                 blend(out, o0 + i, o0 + i + 1, o0 + i, a)
 
 
-@jit
+@inner
 def balance(rows: Floats, c0: int, degree: int) -> float:
     """Let the last weight of a Bezier be its first again, where they differ much; returns the skew c.
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.disc import touch
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import CP0, DEG, FAN, KIND, LINE, NEXT, PREV, V0, V1, X0, X1, XMAX, XMIN, Y0, Y1, YMAX, YMIN
 
 STACK = 128  # twice the depth of a tree over 2**60 sites
@@ -59,7 +59,7 @@ def build_tree(si: NDArray[np.int64], sf: NDArray[np.float64], cp: NDArray[np.fl
     return tree
 
 
-@jit
+@inner
 def _select(key, site, first, last, middle):
     """Reorder site[first:last] so that none before `middle` has a larger key than those from there on (quickselect)."""
     a = first
@@ -117,7 +117,7 @@ def sort_sites(sf, site, x, y):
         size = half
 
 
-@jit
+@inner
 def _stretch(box, v, x, y):
     """Make box v hold a point."""
     a = x * box[v, 0] + y * box[v, 1]
@@ -128,7 +128,7 @@ def _stretch(box, v, x, y):
     box[v, 5] = max(box[v, 5], b)
 
 
-@jit
+@inner
 def _clear(box, v, ux, uy):
     """An empty box of a direction."""
     box[v, 0] = ux
@@ -137,7 +137,7 @@ def _clear(box, v, ux, uy):
     box[v, 3] = box[v, 5] = -math.inf
 
 
-@jit
+@inner
 def _stretch_over(box, v, child):
     """Make box v hold the corners of box `child`."""
     ux = box[child, 0]
@@ -148,7 +148,7 @@ def _stretch_over(box, v, child):
         _stretch(box, v, a * ux - b * uy, a * uy + b * ux)
 
 
-@jit
+@inner
 def _fit_over(box, v):
     """Box v over its children: along one of them, or along the line through their middles, whichever is smallest."""
     left = 2 * v
@@ -217,7 +217,7 @@ def fill_boxes(si, sf, cp, tree):
         _fit_over(box, v)
 
 
-@jit
+@inner
 def box_distance_sq(cx, cy, x0, y0, x1, y1):
     """Squared distance of a point to an upright box."""
     dx = max(x0 - cx, 0.0, cx - x1)
@@ -225,7 +225,7 @@ def box_distance_sq(cx, cy, x0, y0, x1, y1):
     return dx * dx + dy * dy
 
 
-@jit
+@inner
 def _distance_sq(box, v, cx, cy):
     """Squared distance of a point to box v; infinite for an empty box."""
     a = cx * box[v, 0] + cy * box[v, 1]
@@ -233,7 +233,7 @@ def _distance_sq(box, v, cx, cy):
     return box_distance_sq(a, b, box[v, 2], box[v, 4], box[v, 3], box[v, 5])
 
 
-@jit
+@inner
 def touch_candidate(si, sf, cp, i, j, px, py, d0x, d0y, d1x, d1y, nx, ny):
     """`touch` of site j from the point p of site i, about a shared vertex if there is one (d0, d1: p relative to i's ends)."""
     start = si[j, V0] == si[i, V0] or si[j, V1] == si[i, V0]
@@ -247,7 +247,7 @@ def touch_candidate(si, sf, cp, i, j, px, py, d0x, d0y, d1x, d1y, nx, ny):
     return touch(si, sf, cp, j, 0.0, 1.0, px, py, 0.0, 0.0, nx, ny)
 
 
-@jit
+@inner
 def _nearest_leaf(tree, v, cx, cy):
     """The site that walking down from v to the nearer box leads to: near the point, seldom the nearest."""
     leaves = tree.site.shape[0]

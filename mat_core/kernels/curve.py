@@ -15,7 +15,7 @@ import math
 
 from numpy.typing import NDArray
 
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import (
     ARC,
     CP0,
@@ -93,7 +93,7 @@ def bezier_frame(cp, c0, deg, rational, s, ox, oy):
     return x, y, x1, y1, x2, y2
 
 
-@jit
+@inner
 def site_frame(si, sf, cp, i, s, ox, oy):
     """`bezier_frame` of the Bezier of site i, relative to (ox, oy): from the end that is the origin, else from the nearer one."""
     c0 = si[i, CP0]
@@ -161,7 +161,7 @@ def evaluate(si, sf, cp, i, s, ox, oy):
     return x, y, x1 / speed, y1 / speed, (x1 * y2 - y1 * x2) / (speed * speed * speed), speed
 
 
-@jit
+@inner
 def edge_parameter(si, sf, cp, i, s):
     """The input edge's own parameter u at s on site i; exact for SPIRAL, to rounding (bracketed Newton) for LINE and ARC.
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.curve import evaluate, site_frame
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import (
     ARC,
     FAN,
@@ -50,7 +50,7 @@ FLAT = 1e-14  # relative difference of two values of phi that says nothing
 CANCELLED = 0.1  # below this share left over, a difference has lost a digit
 
 
-@jit
+@inner
 def through_point(dx, dy, nx, ny):
     """phi of the point at D; minus infinity for the point of tangency itself."""
     dd = dx * dx + dy * dy
@@ -59,7 +59,7 @@ def through_point(dx, dy, nx, ny):
     return 2.0 * (nx * dx + ny * dy) / dd
 
 
-@jit
+@inner
 def _ends(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     """The better one of the two ends of [lo, hi]: (phi, s)."""
     x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, lo, ox, oy)
@@ -71,7 +71,7 @@ def _ends(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     return at_lo, lo
 
 
-@jit
+@inner
 def touch_fan(sf, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     """A reflex vertex is a point: phi there, and which of its normals points at the centre (clamped to the range)."""
     dx = sf[j, X0] - ox - dpx
@@ -90,7 +90,7 @@ def touch_fan(sf, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     return phi, min(max(s, lo), hi)
 
 
-@jit
+@inner
 def _onto_circle(ex, ey, nx, ny, k, r):
     """Radius near r of the disc at e (relative to the centre of a circle of curvature k), normal n, that touches the circle."""
     for _ in range(2):
@@ -105,7 +105,7 @@ def _onto_circle(ex, ey, nx, ny, k, r):
     return r
 
 
-@jit
+@inner
 def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     """LINE and ARC in closed form, about one end (ref, normal m, signed curvature k), g = p - ref:
 
@@ -148,7 +148,7 @@ def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     return _ends(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny)
 
 
-@jit
+@inner
 def _angle(dx, dy, tx, ty, k, nx, ny):
     """(psi, W, |D|^2) at one point of the other site; for D = 0 the limit of psi (T' = -T) and W = 0."""
     dd = dx * dx + dy * dy
@@ -161,13 +161,13 @@ def _angle(dx, dy, tx, ty, k, nx, ny):
     return math.atan2(nx * ix + ny * iy, nx * iy - ny * ix), k * dd + 2.0 * (dy * tx - dx * ty), dd
 
 
-@jit
+@inner
 def _turned(ax, ay, bx, by):
     """Angle from direction a to direction b, in (-pi, pi]."""
     return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
 
 
-@jit
+@inner
 def _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, b, bx, by, tbx, tby):
     """How much psi changes from a to b on a piece that turns by less than half a turn, whole turns counted.
 
@@ -205,7 +205,7 @@ def _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, b, bx, by, tbx
     return total - 2.0 * _turned(ax, ay, bx, by)
 
 
-@jit
+@inner
 def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     """Sup of phi over [lo, hi] of a piece of monotone curvature, and where."""
     x, y, tax, tay, k, speed = evaluate(si, sf, cp, j, lo, ox, oy)
@@ -312,7 +312,7 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     return best, s_best
 
 
-@jit
+@inner
 def touch(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     """(phi, s): sup of phi over [lo, hi] of site j, for the circle tangent at O + dp with inward normal n."""
     kind = si[j, KIND]
@@ -323,7 +323,7 @@ def touch(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     return touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny)
 
 
-@jit
+@inner
 def touch_from(si, sf, cp, i, s, j, lo, hi):
     """(phi, s_j) of the circle tangent at s on site i against [lo, hi] of site j; about a shared vertex if there is one."""
     if si[j, V0] == si[i, V0] or si[j, V1] == si[i, V0]:

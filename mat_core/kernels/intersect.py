@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.bezier import Floats, Ints, restrict
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.joints import (
     AHEAD,
     BEHIND,
@@ -48,7 +48,7 @@ LEAF = 0.25  # of gap: extent at which subdivision ends; hulls of two leaves add
 STRAIGHT_BACK = 0.1  # sine between chords that run against each other, as the branches of a cusp do
 
 
-@jit
+@inner
 def separated(rows: Floats, p: int, q: int, gap: float) -> bool:
     """Whether blocks 0 (degree p) and BLOCK (degree q) are proved over `gap` apart along x, y, a chord or its normal."""
     dx = 1.0
@@ -85,7 +85,7 @@ def separated(rows: Floats, p: int, q: int, gap: float) -> bool:
     return False
 
 
-@jit
+@inner
 def joined_by_right(rows: Floats, p: int, q: int, path: float, gap: float, cusp_path: float) -> bool:
     """Whether blocks 0 and BLOCK are near only because a short boundary path joins them; `path`: the longest such."""
     if path <= NEAR_PATH * gap:

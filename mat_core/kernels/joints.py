@@ -21,7 +21,7 @@ import math
 
 from mat_core.kernels.bezier import Floats, Ints, restrict
 from mat_core.kernels.curve import bezier_frame
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.outline import BLOCK, CP0, DEG, span_of
 
 # What adjacent pieces do at their joint.
@@ -50,7 +50,7 @@ def distance(a: Floats, i: int, b: Floats, j: int) -> float:
     return math.hypot(a[i, 0] - b[j, 0], a[i, 1] - b[j, 1])
 
 
-@jit
+@inner
 def cone_seen_from(rows: Floats, v: int, far: int, step: int, p: int) -> tuple[float, float, float, float]:
     """Unit sides lo (right) and hi (left) of the cone of p control points, from row `far` on, seen from row `v`."""
     lx = ly = hx = hy = 0.0
@@ -71,7 +71,7 @@ def cone_seen_from(rows: Floats, v: int, far: int, step: int, p: int) -> tuple[f
     return lx, ly, hx, hy
 
 
-@jit
+@inner
 def in_cone(x: float, y: float, lx: float, ly: float, hx: float, hy: float) -> bool:
     """Whether the unit vector (x, y) lies in the cone from lo to hi (under a half turn), widened by SAME_DIRECTION."""
     if x * (lx + hx) + y * (ly + hy) <= 0.0:
@@ -79,7 +79,7 @@ def in_cone(x: float, y: float, lx: float, ly: float, hx: float, hy: float) -> b
     return lx * y - ly * x >= -SAME_DIRECTION and x * hy - y * hx >= -SAME_DIRECTION
 
 
-@jit
+@inner
 def cones_part(rows: Floats, p: int, q: int) -> bool:
     """Whether block 0, ending in V, and block BLOCK, starting in V, lie in disjoint cones from V."""
     alx, aly, ahx, ahy = cone_seen_from(rows, p, 0, -1, p)
@@ -103,7 +103,7 @@ def place_on(rows: Floats, c: int, p: int, t: float, ox: float, oy: float) -> tu
     return x, y, dx, dy
 
 
-@jit
+@inner
 def distance_to(rows: Floats, c: int, p: int, x: float, y: float) -> float:
     """Distance from (x, y) to the gentle block at row `c`: bisection of (C - q).C' from its two ends."""
     lo = 0.0
@@ -123,7 +123,7 @@ def distance_to(rows: Floats, c: int, p: int, x: float, y: float) -> float:
     return near
 
 
-@jit
+@inner
 def thickness(rows: Floats, p: int, q: int, limit: float) -> float:
     """How far the shorter of blocks 0 and BLOCK strays from the other, at SAMPLES points; stops beyond `limit`."""
     first = distance(rows, 0, rows, p) <= distance(rows, BLOCK, rows, BLOCK + q)
@@ -141,7 +141,7 @@ def thickness(rows: Floats, p: int, q: int, limit: float) -> float:
     return thick
 
 
-@jit
+@inner
 def bend_at(rows: Floats, v: int, step: int, p: int) -> float:
     """Curvature, positive to the left, of a block that leaves row v; its next control points are `step` rows on."""
     if p < 2:
@@ -155,7 +155,7 @@ def bend_at(rows: Floats, v: int, step: int, p: int) -> float:
     return (p - 1.0) / p * share * (ax * by - ay * bx) / (length * length * length)
 
 
-@jit
+@inner
 def side_of(rows: Floats, c: int, p: int, x: float, y: float) -> float:
     """Signed distance of (x, y) to the left of the gentle block at row `c`, at the foot that bisection finds."""
     lo = 0.0
@@ -174,7 +174,7 @@ def side_of(rows: Floats, c: int, p: int, x: float, y: float) -> float:
     return side
 
 
-@jit
+@inner
 def order_at_tip(pcp: Floats, va: int, p: int, vb: int, q: int, gap: float, noise: float) -> float:
     """Positive where the piece that ends in row `va` leaves this V to the left of the one that starts in row `vb`.
 
@@ -199,7 +199,7 @@ def order_at_tip(pcp: Floats, va: int, p: int, vb: int, q: int, gap: float, nois
     return bend if abs(bend) > max(alike, TIP_NOISE * noise * (1.0 / (a * a) + 1.0 / (b * b))) else 0.0
 
 
-@jit
+@inner
 def order_beyond_tip(rows: Floats, p: int, q: int) -> float:
     """The same at the far end of the shorter one of blocks 0 and BLOCK, as a distance."""
     if distance(rows, 0, rows, p) <= distance(rows, BLOCK, rows, BLOCK + q):
@@ -208,7 +208,7 @@ def order_beyond_tip(rows: Floats, p: int, q: int) -> float:
     return side_of(rows, 0, p, rows[BLOCK + q, 0], rows[BLOCK + q, 1])
 
 
-@jit
+@inner
 def lines_fold(pcp: Floats, a: int, b: int, gap: float) -> bool:
     """Does segment b, which starts where segment a ends, run back along a (the shorter within `gap` of the other)?"""
     ux = pcp[a, 0] - pcp[a + 1, 0]
@@ -220,7 +220,7 @@ def lines_fold(pcp: Floats, a: int, b: int, gap: float) -> bool:
     return along and (off <= gap * math.hypot(ux, uy) or off <= gap * math.hypot(vx, vy))
 
 
-@jit
+@inner
 def plan(
     tasks: Floats, n: int, i: int, i0: float, i1: float, j: int, j0: float, j1: float, ahead: float, behind: float
 ) -> int:
@@ -237,7 +237,7 @@ def plan(
     return n + 1
 
 
-@jit
+@inner
 def plan_joint(
     pi: Ints,
     pcp: Floats,

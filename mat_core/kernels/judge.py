@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.curve import bezier_frame, evaluate
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.judge_boxes import outside
 from mat_core.kernels.layout import (
     ARC,
@@ -57,7 +57,7 @@ FIRST_RADIUS = 1e-3  # where none is known
 LARGEST = 1.0  # no disc in a domain of size at most 1 has a radius over 1/2
 
 
-@jit
+@inner
 def _bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
     """(distance, s): a local minimum of |C(s) - c| on [lo, hi], by bracketed Newton on g = (C - c).C' from a guess."""
     a = lo
@@ -94,7 +94,7 @@ def _bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
     return math.sqrt(dx * dx + dy * dy), s
 
 
-@jit
+@inner
 def turn_fraction(px, py, qx, qy, sweep):
     """Where direction q stands on a turn from p by `sweep`, as a fraction; ambiguity is cut opposite its middle."""
     angle = math.atan2(px * qy - py * qx, px * qx + py * qy)
@@ -131,7 +131,7 @@ def foot(si, sf, cp, i, lo, hi, x, y, guess):
     return math.sqrt(dx * dx + dy * dy), s
 
 
-@jit
+@inner
 def _outside_bezier(cp, c0, deg, rational, x, y, r, work, binomial):
     """min(0, smallest |C(s) - c| - r) over a whole Bezier piece.
 
@@ -176,7 +176,7 @@ def _outside_bezier(cp, c0, deg, rational, x, y, r, work, binomial):
     return total
 
 
-@jit
+@inner
 def _least_gap(cp, c0, deg, rational, x, y, r, work, noise):
     """Rows of h are halved until each is decided; columns n + 1, n + 2 hold the begin and width of its interval.
 
@@ -233,7 +233,7 @@ def _least_gap(cp, c0, deg, rational, x, y, r, work, noise):
     return gap
 
 
-@jit
+@inner
 def _line_distance(sf, i, x, y):
     """Distance of c from a LINE."""
     lx = sf[i, X1] - sf[i, X0]
@@ -251,7 +251,7 @@ def _line_distance(sf, i, x, y):
     return abs(lx * dy - ly * dx) / math.sqrt(length_sq)
 
 
-@jit
+@inner
 def _arc_distance(sf, i, x, y):
     """Distance of c from an ARC of less than a half turn: from its circle inside its wedge, from an end elsewhere.
 
@@ -341,7 +341,7 @@ def distances(si, sf, cp, site, interval, disc, distance):
         distance[n] = best
 
 
-@jit
+@inner
 def _common_vertex(si, sf, i, s, j, x, y):
     """The point that distances between (i, s) and site j are best taken from: a vertex of both, else (x, y)."""
     start = si[j, V0] == si[i, V0] or si[j, V1] == si[i, V0]

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import CP0, DEG, FAN, KIND, LINE, X0, X1, Y0, Y1
 
 UNSORTED = 64  # up to so many sites stand in loop order
@@ -64,7 +64,7 @@ def outside(box, k, x, y, r):
     return dx * dx + dy * dy >= r * r
 
 
-@jit
+@inner
 def _turn_box(box, k, ux, uy):
     """Make box k an empty one along (ux, uy), or along x where that is no direction."""
     length = math.sqrt(ux * ux + uy * uy)
@@ -74,7 +74,7 @@ def _turn_box(box, k, ux, uy):
     box[k, 3] = box[k, 5] = -math.inf
 
 
-@jit
+@inner
 def _include(box, k, x, y):
     """Widen box k by a point."""
     along = x * box[k, 0] + y * box[k, 1]
@@ -85,7 +85,7 @@ def _include(box, k, x, y):
     box[k, 5] = max(box[k, 5], across)
 
 
-@jit
+@inner
 def _enclose(box, k, ux, uy):
     """Make box k one along (ux, uy) around both its children; returns its area."""
     _turn_box(box, k, ux, uy)

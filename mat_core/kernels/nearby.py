@@ -23,7 +23,7 @@ import math
 
 from mat_core.kernels.bezier import Floats, Ints, restrict
 from mat_core.kernels.intersect import separated
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.joints import plan
 from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, LOOP
 
@@ -34,7 +34,7 @@ TREE_CENTRE = slice(CX, CY + 1)
 SLACK = 1e-14  # normalised: rounding of a turned box, far below every gap
 
 
-@jit
+@inner
 def fill_leaf(tree: Floats, v: int, pcp: Floats, c0: int, p: int) -> None:
     """Both boxes of one part, turned along its chord; DX, DY hold that direction, its angle doubled, times the length."""
     ox = pcp[c0, 0]
@@ -75,7 +75,7 @@ def fill_leaf(tree: Floats, v: int, pcp: Floats, c0: int, p: int) -> None:
     tree[v, BREADTH] = 0.5 * (b1 - b0)
 
 
-@jit
+@inner
 def settle_direction(tree: Floats, v: int) -> None:
     """The sum in DX, DY becomes a unit vector of half its angle."""
     half = 0.5 * math.atan2(tree[v, DY], tree[v, DX])
@@ -83,7 +83,7 @@ def settle_direction(tree: Floats, v: int) -> None:
     tree[v, DY] = math.sin(half)
 
 
-@jit
+@inner
 def enclose_children(tree: Floats, v: int) -> None:
     """Both boxes of an inner node from those of its children, whose directions are settled; its own is, after this."""
     for axis in range(2):

@@ -8,13 +8,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@jit
+@inner
 def spline_point(
     degree: int, knots: Floats, k0: int, k1: int, cp: Floats, c0: int, t: float, work: Floats, out: Floats
 ) -> None:

@@ -23,7 +23,7 @@ import numpy as np
 
 from mat_core.kernels.bezier import Floats, Ints, decompose, restrict
 from mat_core.kernels.curve import bezier_frame
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 
 DEG, CP0, LOOP, EDGE = 0, 1, 2, 3
 UA, UB, XMIN, YMIN, XMAX, YMAX, LEN, CUM = 0, 1, 2, 3, 4, 5, 6, 7
@@ -41,7 +41,7 @@ GAUSS_T = 0.5 + 0.5 * _NODES
 GAUSS_W = 0.5 * _WEIGHTS
 
 
-@jit
+@inner
 def split_range(stack: Floats, row: int, column: int) -> None:
     """The range in two columns of `row` is halved: its lower half goes to the row above, the upper half stays."""
     for c in range(stack.shape[1]):
@@ -51,7 +51,7 @@ def split_range(stack: Floats, row: int, column: int) -> None:
     stack[row + 1, column + 1] = middle
 
 
-@jit
+@inner
 def span_of(rows: Floats, c: int, p: int) -> float:
     """Largest distance, by coordinate, of a block's control points from its first one."""
     extent = 0.0
@@ -63,7 +63,7 @@ def span_of(rows: Floats, c: int, p: int) -> float:
     return extent
 
 
-@jit
+@inner
 def is_gentle(rows: Floats, c0: int, degree: int) -> bool:
     """Whether all control legs lie within a right angle of each other."""
     for i in range(1, degree):
@@ -152,7 +152,7 @@ def cut_gently(
     return n
 
 
-@jit
+@inner
 def gauss_sector(pcp: Floats, c0: int, p: int, rational: int, t0: float, t1: float) -> float:
     """Area swept about the piece's start over [t0, t1], half the integral of x y' - y x', by 16 Gauss points."""
     total = 0.0

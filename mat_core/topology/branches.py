@@ -23,7 +23,7 @@ import math
 from mat_core.kernels.boxtree import box_distance_sq
 from mat_core.kernels.curve import evaluate, site_frame
 from mat_core.kernels.disc import touch_from
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import (
     ARC,
     CONVEX_VERTEX,
@@ -62,7 +62,7 @@ CURVED = 8.0  # a curved arc is walked along rather than a straight one this muc
 PARALLEL = 1e-7  # determinant of three contact directions below which a disc is not polished
 
 
-@jit
+@inner
 def _touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie):
     """`touch_from` against one arc of the face.
 
@@ -80,7 +80,7 @@ def _touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie):
     return phi, sj
 
 
-@jit
+@inner
 def _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie):
     """(phi_left - phi_right) scaled to [-1, 1], and both contacts."""
     a, sa = _touch_arc(si, sf, cp, site, s, w_i, w_f, left, tie)
@@ -96,7 +96,7 @@ def _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie):
     return f, max(a, b), sa, sb
 
 
-@jit
+@inner
 def _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie):
     """(s, phi, s_left, s_right) where the partner changes from `left` (wins at lo) to `right` (wins at hi)."""
     a = lo
@@ -135,13 +135,13 @@ def _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie):
     return s, phi, sl, sr
 
 
-@jit
+@inner
 def _meet(si, i, j):
     """Whether sites i and j have a vertex in common."""
     return i != j and (si[i, V0] == si[j, V1] or si[i, V1] == si[j, V0])
 
 
-@jit
+@inner
 def _common_end(si, i, j):
     """0 or 1 when pieces i and j meet at the start or at the end of i, else -1."""
     if si[i, KIND] == FAN or si[j, KIND] == FAN or not _meet(si, i, j):
@@ -149,7 +149,7 @@ def _common_end(si, i, j):
     return 0 if si[i, V0] == si[j, V1] else 1
 
 
-@jit
+@inner
 def _root_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
     """Solve the node of arcs 0, left, right once more along `left` if that meets `right` at a vertex: `disc[d]`, contacts `s`."""
     i = w_i[left, 0]
@@ -179,7 +179,7 @@ def _root_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
     s[2] = s_right
 
 
-@jit
+@inner
 def _best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi, tie):
     """The partner among arcs low .. high (both ends left out) with a phi above `phi`: (phi, arc), arc -1 if there is none."""
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
@@ -201,7 +201,7 @@ def _best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi, tie):
     return best, best_arc
 
 
-@jit
+@inner
 def _seen_from(si, sf, cp, w_i, w_f, arc, s, between, phi, tie):
     """phi over `phi` of the disc at s on one arc that touches `between`, which begins where the arc ends; 1 if it does not.
 
@@ -215,7 +215,7 @@ def _seen_from(si, sf, cp, w_i, w_f, arc, s, between, phi, tie):
     return value / phi
 
 
-@jit
+@inner
 def _length(si, sf, disc, w_i, w_f, arc):
     """How far the disc travels along an arc, roughly: decides which arc is walked along."""
     site = w_i[arc, 0]
@@ -225,7 +225,7 @@ def _length(si, sf, disc, w_i, w_f, arc):
     return sf[site, LEN] * share * (1.0 if si[site, KIND] == LINE else CURVED)
 
 
-@jit
+@inner
 def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
     """Parameter in [lo, hi] of the point of site i nearest to (cx, cy), from s on; s itself near a centre of curvature."""
     kind = si[i, KIND]
@@ -279,7 +279,7 @@ def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
     return s
 
 
-@jit
+@inner
 def _polish(si, sf, cp, site, s, lo, hi, disc, d):
     """Newton for the disc that touches three given parts: m_m . dc - dr = r - |c - q_m|, q_m the feet of c, m_m towards c.
 
@@ -340,7 +340,7 @@ def _polish(si, sf, cp, site, s, lo, hi, disc, d):
         cy += my
 
 
-@jit
+@inner
 def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s, n_contacts, node_first, bracket_i, bracket_f,
              tri_site, tri_s, tri_lo, tri_hi):
     """Find the nodes along arc 0 of the face in the work buffer, in the order in which they lie on it.
@@ -452,7 +452,7 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
     return OK, nodes
 
 
-@jit
+@inner
 def _emit_strip(strip_i, strip_s, n, site_a, a0, a1, site_b, b0, b1, disc0, disc1):
     """Write one strip: right side site_a from a0 up to a1, left side site_b from b0 down to b1."""
     strip_i[n, 0] = site_a

@@ -15,7 +15,7 @@ import math
 
 from mat_core.kernels.boxtree import query
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import (
     ARC,
     ARC_CONTACT,
@@ -52,7 +52,7 @@ K_LOW = 1.9  # no disc in a domain of size at most 1 has a radius over 1/2
 OK, NO_PARTNER, TOO_SMALL = 0, 1, 2
 
 
-@jit
+@inner
 def joint_normal(si, sf, j):
     """Inward unit normal at the start of site j; the mean of both sides at a smooth joint."""
     before = si[j, PREV]
@@ -71,13 +71,13 @@ def joint_normal(si, sf, j):
     return -ty, tx
 
 
-@jit
+@inner
 def _grows(at_joint, far):
     """Curvature grows from the joint along a monotone piece, beyond rounding."""
     return far - at_joint > 1e-12 * abs(at_joint)
 
 
-@jit
+@inner
 def _phi_noise(si, sf, cp, j, winner, s):
     """Rounding of phi at a contact of the disc at joint j: that of the coordinates over the squared distance.
 
@@ -89,14 +89,14 @@ def _phi_noise(si, sf, cp, j, winner, s):
     return 2.0 * COORDINATE / (dx * dx + dy * dy)
 
 
-@jit
+@inner
 def _arc_noise(sf, i):
     """Relative rounding of the radius of a circular arc: that of the coordinates over the arc's height, length^2 / (8 r)."""
     flat = sf[i, K0] * sf[i, LEN]
     return min(16.0 * COORDINATE / (flat * flat), FLATTEST)
 
 
-@jit
+@inner
 def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     """(status, kind, x, y, r, winner, s): the maximal disc at the start of site j.
 
@@ -166,7 +166,7 @@ def find(parent, a):
     return a
 
 
-@jit
+@inner
 def unite(parent, a, b):
     """Join the trees of a and b; the smaller root stays."""
     a = find(parent, a)
@@ -177,7 +177,7 @@ def unite(parent, a, b):
         parent[a] = b
 
 
-@jit
+@inner
 def rightmost(si, sf, cp, first, last):
     """(x, site, s) of the point with the largest x on the sites first .. last-1: its outward normal is (1, 0).
 
@@ -265,7 +265,7 @@ def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent
     return OK, count
 
 
-@jit
+@inner
 def _keep_rightmost(right, right_site, root, member):
     """The rightmost point of `member` becomes that of `root` if it lies further right; loop 0 needs none."""
     if root > 0 and right[member, 0] > right[root, 0]:
@@ -313,7 +313,7 @@ def unite_at_joints(si, disc, kind, winner, winner_s, parent, alive, tight, loos
                 winner_s[d] = 1e-13 if end == 0 else 1.0 - 1e-13
 
 
-@jit
+@inner
 def _before(angle_a, key_a, s_a, angle_b, key_b, s_b):
     """Whether contact a comes before b anticlockwise, from a cut of the circle that both are away from."""
     if abs(angle_a - angle_b) < ANGLE_NEAR:
@@ -321,7 +321,7 @@ def _before(angle_a, key_a, s_a, angle_b, key_b, s_b):
     return angle_a < angle_b
 
 
-@jit
+@inner
 def interleaved(site, s, angle, member_next, first, a, b, cut):
     """Whether the contacts of groups a and b alternate around their common centre.
 
@@ -349,7 +349,7 @@ def interleaved(site, s, angle, member_next, first, a, b, cut):
     return False
 
 
-@jit
+@inner
 def contact_angle(si, sf, cp, disc, d, i, s):
     """Direction from the centre of disc d to its contact at s on site i."""
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, i, s, 0.0, 0.0)
@@ -373,7 +373,7 @@ def group_contacts(owner, alive, parent, first, member_next, last):
         last[d] = c
 
 
-@jit
+@inner
 def _merge(parent, first, member_next, last, da, db):
     """Unite two discs and their lists of contacts."""
     unite(parent, da, db)
@@ -434,7 +434,7 @@ def recentre(si, sf, cp, disc, kind, site, s, owner, spread):
         disc[d, 2] = math.sqrt(x * x + y * y)
 
 
-@jit
+@inner
 def _can_cross(kind, parent, d):
     """Whether disc d has contacts that may interleave with another's; of arcs on one circle one stands for all."""
     return kind[d] == THROUGH or (kind[d] == ARC_CONTACT and parent[d] == d)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import ARC_CONTACT, CURVATURE_LEAF, NEXT, VERTEX_LEAF
 from mat_core.tolerances import Tolerances
 from mat_core.topology.discs import find, same_disc, unite
@@ -47,7 +47,7 @@ class AxisGraph(NamedTuple):
     cycles: int
 
 
-@jit
+@inner
 def _contact_at(si, contact_start, contact_site, contact_s, d, site, s):
     """The contact of disc d at s on a site; s = 1 is the start of the next site. Contacts of a disc stand in loop order."""
     if s >= 1.0:
@@ -117,7 +117,7 @@ def contract(si, disc, kind, strip_i, strip_s, contact_start, contact_site, cont
         parent[d] = find(parent, d)
 
 
-@jit
+@inner
 def _leave(strip_i, half):
     """Disc at which half-strip `half` starts: strip half // 2, from disc0 if even, from disc1 if odd."""
     return strip_i[half // 2, 2 + half % 2]
@@ -217,7 +217,7 @@ def walk_graph(strip_i, half_start, half_of, kind, used, node_of, order, run_sta
     return nodes, runs, done, components, closed
 
 
-@jit
+@inner
 def _reverse(run_strip, run_forward, first, last):
     """Reverse a run in place."""
     a = first

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from mat_core.kernels.boxtree import query
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner
 from mat_core.topology.discs import K_LOW
 
 MANY = 64  # faces of up to so many arcs are not split
@@ -17,7 +17,7 @@ LEAST_SHARE = 8  # a part smaller than 1/8 of the face is not worth a disc
 INSIDE = 0.434  # where on its arc a disc is tried: not the middle, where symmetric shapes have their branch points
 
 
-@jit
+@inner
 def _partner(stack_i, stack_f, begin, k, site, s):
     """The arc of the face that holds s of a site, strictly inside; -1 if there is none."""
     for arc in range(k):
@@ -27,7 +27,7 @@ def _partner(stack_i, stack_f, begin, k, site, s):
     return -1
 
 
-@jit
+@inner
 def find_split(si, sf, cp, tree, stack, stack_i, stack_f, begin, k):
     """(arc, s, arc, s, x, y, r) of a disc that cuts a face well, the lower arc first; arc -1 if none was found."""
     best = k // LEAST_SHARE
@@ -62,7 +62,7 @@ def find_split(si, sf, cp, tree, stack, stack_i, stack_f, begin, k):
     return low, low_s, high, high_s, x, y, r
 
 
-@jit
+@inner
 def split_face(stack_i, stack_f, w_i, w_f, begin, k, low, low_s, high, high_s, disc):
     """Put two faces where one stood: arcs low .. high and arcs high .. low, closed by `disc`. Returns where the second begins."""
     for arc in range(k):

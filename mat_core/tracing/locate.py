@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.kernels.curve import edge_parameter, evaluate
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import ARC, K0, KIND, LEN, LINE, SPIRAL, SWEEP, TX0, TY0, X0, Y0
 from mat_core.kernels.nurbs import spline_point
 from mat_core.tracing.strip import trace
@@ -27,7 +27,7 @@ STEPS = 60
 NEAR = 1e-15  # the plane is met when the point is this near to it (normalised)
 
 
-@jit
+@inner
 def foot_on(si: Ints, sf: Floats, i: int, lo: float, hi: float, x: float, y: float) -> float:
     """Parameter of the point of a LINE, ARC or FAN nearest to the centre (x, y), kept in [lo, hi]."""
     gx = x - sf[i, X0]
@@ -58,7 +58,7 @@ def foot_on(si: Ints, sf: Floats, i: int, lo: float, hi: float, x: float, y: flo
     return min(max(s, lo), hi)
 
 
-@jit
+@inner
 def _plane_root(
     si: Ints, sf: Floats, cp: Floats, i: int, s0: float, s1: float, j: int, lo: float, hi: float, x: float, y: float,
     r: float, share: float, ends: Floats, out: Floats,
@@ -112,7 +112,7 @@ def _plane_root(
         s = new
 
 
-@jit
+@inner
 def _on_fit(
     si: Ints, sf: Floats, cp: Floats, a: int, b: int, strip_s: Floats, strip: int, side: int, s0: float, s1: float,
     share: float, degree: int, knots: Floats, k0: int, k1: int, curve: Floats, c0: int, part_f: Floats, part: int,

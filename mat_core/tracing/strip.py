@@ -15,11 +15,11 @@ import math
 
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.disc import touch_from
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import FAN, KIND, V0, V1
 
 
-@jit
+@inner
 def trace(si, sf, cp, i, s, j, lo, hi):
     """(x, y, r, s_j, dx, dy, dr): the axis point with footpoint s on site i and its partner in [lo, hi] of site j.
 
