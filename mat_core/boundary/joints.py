@@ -13,6 +13,7 @@ from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import K0, K1, TX0, TY0, X0, X1, Y0, Y1
 
+BEND = 1e-4  # relative difference of curvatures below which the branches of a cusp are told apart by their heights
 CUSP_ANGLE = 1e-7  # a turn nearer than this to a half turn is a cusp, its side is decided by the curves, not by the angle
 
 
@@ -113,7 +114,7 @@ def cusp_is_convex(si, sf, cp, before, after):
     ey = sf[after, TY0]
     outward = sf[after, K0]
     back = -sf[before, K1]
-    if not (math.isinf(outward) or math.isinf(back)) and abs(outward - back) > 1e-9 * (abs(outward) + abs(back)):
+    if not (math.isinf(outward) or math.isinf(back)) and abs(outward - back) > BEND * (abs(outward) + abs(back)):
         return outward < back
     if math.isinf(outward) and (not math.isinf(back) or outward * back < 0.0):
         return outward < 0.0

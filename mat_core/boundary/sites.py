@@ -275,7 +275,11 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, si, sf, 
                               sf[a, TX1] * sf[b, TX0] + sf[a, TY1] * sf[b, TY0])
             same_bezier = n > 1 and si[a, EDGE] == si[b, EDGE] and si[a, SPAN] == si[b, SPAN] and sf[a, UB] == sf[b, UA]
             if math.pi - abs(turn) < CUSP_ANGLE:
-                turn = math.pi if cusp_is_convex(si, sf, cp, a, b) else -math.pi
+                # the curves tell the side, the angle keeps its digits: a fan ends at the next piece's own normal
+                if cusp_is_convex(si, sf, cp, a, b):
+                    turn = turn if turn > 0.0 else turn + 2.0 * math.pi
+                else:
+                    turn = turn if turn < 0.0 else turn - 2.0 * math.pi
             elif abs(turn) <= smooth_angle or (same_bezier and abs(turn) < 0.1):
                 turn = 0.0
             # a curvature that grows without bound towards its end is a leaf of radius 0 there, like a convex corner
