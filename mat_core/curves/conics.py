@@ -178,6 +178,10 @@ def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floa
             r = mr + (v * bulge * er + (t * t - u) * dr) / total
             error = max(error, _residual(px, py, nx, ny, kappa, sigma, x, y, r))
             error = max(error, _residual(qx, qy, ox, oy, lam, tau, x, y, r))
+        # a disc larger than an arc does not touch it from inside: such a curve runs through the arc's centre and back
+        beyond = mr + bulge * er
+        if kappa > 0.0 and beyond > sigma / kappa > 0.0 or lam > 0.0 and beyond > tau / lam > 0.0:
+            error = max(error, beyond)
         if error < best:
             best = error
             cp[row + 1, 0] = mx + bulge * ex
