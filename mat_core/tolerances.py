@@ -47,9 +47,11 @@ LADDER = (
     Tolerances(smooth=1e-13),
     Tolerances(smooth=1e-13, same_disc=1e-15, same_crossed=1e-13, tie=1e-15, same_node=1e-14),
     Tolerances(smooth=1e-13, same_disc=1e-12, same_crossed=1e-12, tie=1e-15, same_node=1e-12),
+    Tolerances(smooth=1e-13, same_crossed=1e-8),
     # noise far below the certificate's limits is none: lines, circles and joints are what they are but for it
     Tolerances(smooth=1e-12, rounding=1e-13),
     Tolerances(smooth=1e-11, rounding=1e-12),
     Tolerances(smooth=1e-10, rounding=1e-11, same_disc=1e-10, same_crossed=1e-10, tie=1e-10, same_node=1e-10),
+    Tolerances(smooth=3e-9, rounding=1e-10, same_disc=1e-9, same_crossed=1e-9, tie=1e-9, same_node=1e-9),
     Tolerances(same_disc=1e-8, same_crossed=1e-6, tie=1e-7, same_node=1e-8),
 )
