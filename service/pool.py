@@ -141,9 +141,12 @@ class Pool:
         try:
             yield self
         finally:
-            supervisor.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await supervisor
+            # a cancellation that meets the end of what it waits for can be lost: it is said again until it is heard
+            while not supervisor.done():
+                supervisor.cancel()
+                await asyncio.wait([supervisor], timeout=2 * GOODBYE_SECONDS)
+            if not supervisor.cancelled() and (error := supervisor.exception()) is not None:
+                raise error
 
     async def solve(self, header: wire.Header, body: bytes) -> Reply:
         """Have one request worked on.
