@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.boundary.curvature import SCRATCH_ROWS, scratch_width
 from mat_core.boundary.joints import CUSP_ANGLE, cusp_is_convex
 from mat_core.boundary.pieces import (
     P_CENTRE_X,
@@ -31,9 +32,7 @@ from mat_core.boundary.pieces import (
     P_Y,
     PF_WIDTH,
     PI_WIDTH,
-    SCRATCH_ROWS,
     cut_beziers,
-    scratch_width,
 )
 from mat_core.kernels.bernstein import MAX_DEPTH
 from mat_core.kernels.bezier import balance, decompose

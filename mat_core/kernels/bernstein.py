@@ -83,45 +83,54 @@ def _halve(work, row, n):
 
 
 @inner
-def _first_sign(work, row, n, noise):
-    """Sign of the first coefficient that stands out of the noise; 0 if none does."""
+def _noise(row_of, row, n):
+    """What a coefficient must exceed to carry a sign."""
+    largest = 0.0
     for i in range(n + 1):
+        largest = max(largest, abs(row_of[row, i]))
+    return NOISE * largest
+
+
+@inner
+def _outermost_sign(work, row, n, noise, from_end):
+    """Sign of the first (or last) coefficient that stands out of the noise; 0 if none does."""
+    for step in range(n + 1):
+        i = n - step if from_end else step
         if abs(work[row, i]) > noise:
             return 1.0 if work[row, i] > 0.0 else -1.0
     return 0.0
 
 
 @inner
-def _last_sign(work, row, n, noise):
-    """Sign of the last coefficient that stands out of the noise; 0 if none does."""
-    for i in range(n, -1, -1):
-        if abs(work[row, i]) > noise:
-            return 1.0 if work[row, i] > 0.0 else -1.0
-    return 0.0
+def first_sign(poly, row, n):
+    """Sign of a polynomial right behind 0; 0 if all of it is noise."""
+    return _outermost_sign(poly, row, n, _noise(poly, row, n), False)
 
 
 @inner
-def sign_changes(poly, row, n, work, bounds, roots):
-    """Write where the polynomial (Bernstein coefficients in `poly[row]`) changes sign in (0, 1); returns their number.
+def last_sign(poly, row, n):
+    """Sign of a polynomial right before 1; 0 if all of it is noise."""
+    return _outermost_sign(poly, row, n, _noise(poly, row, n), True)
+
+
+@inner
+def sign_changes(poly, row, n, work, bounds, roots, count):
+    """Write where the polynomial (Bernstein coefficients in `poly[row]`) changes sign in (0, 1); returns the new `count`.
 
     Descartes' rule on halved intervals; a cluster that does not separate counts as one. `work` (MAX_DEPTH + 2, n + 1) and
     `bounds` (MAX_DEPTH + 2, 2) are scratch; roots come in increasing order.
     """
-    largest = 0.0
     for i in range(n + 1):
         work[0, i] = poly[row, i]
-        largest = max(largest, abs(work[0, i]))
-    noise = NOISE * largest
-    if largest == 0.0:
-        return 0
+    noise = _noise(work, 0, n)
+    first = count
     bounds[0, 0] = 0.0
     bounds[0, 1] = 1.0
     top = 0
-    count = 0
     while top >= 0:
         variations = 0
         last = 0.0
-        first_sign = _first_sign(work, top, n, noise)
+        start_sign = _outermost_sign(work, top, n, noise, False)
         for i in range(n + 1):
             c = work[top, i]
             if abs(c) > noise:
@@ -139,7 +148,7 @@ def sign_changes(poly, row, n, work, bounds, roots):
                 hi = 1.0
                 for _ in range(54):
                     mid = 0.5 * (lo + hi)
-                    if _value(work, top, n, mid) * first_sign > 0.0:
+                    if _value(work, top, n, mid) * start_sign > 0.0:
                         lo = mid
                     else:
                         hi = mid
@@ -154,8 +163,8 @@ def sign_changes(poly, row, n, work, bounds, roots):
             work[top, i] = work[top + 1, i]
             work[top + 1, i] = left
         m = 0.5 * (a + b)
-        if abs(work[top, 0]) <= noise and count < roots.shape[0] and _last_sign(
-                work, top + 1, n, noise) * _first_sign(work, top, n, noise) < 0.0:
+        if abs(work[top, 0]) <= noise and count < roots.shape[0] and _outermost_sign(
+                work, top + 1, n, noise, True) * _outermost_sign(work, top, n, noise, False) < 0.0:
             # neither half sees a change that lies at their common end
             roots[count] = m
             count += 1
@@ -164,10 +173,10 @@ def sign_changes(poly, row, n, work, bounds, roots):
         top += 1
         bounds[top, 0] = a
         bounds[top, 1] = m
-    for i in range(1, count):
+    for i in range(first + 1, count):
         value = roots[i]
         j = i
-        while j > 0 and roots[j - 1] > value:
+        while j > first and roots[j - 1] > value:
             roots[j] = roots[j - 1]
             j -= 1
         roots[j] = value

@@ -354,7 +354,9 @@ def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
         phi, sj = touch_candidate(si, sf, cp, i, beyond, px, py, d0x, d0y, d1x, d1y, nx, ny)
         inside = 0.0 < sj < 1.0
         through = si[beyond, KIND] == FAN and (sj >= 1.0 if forward else sj <= 0.0)
-        if phi < best * (1.0 - 1e-12) or not (inside or through):
+        # both values are of one point, but for rounding: that of phi is the coordinates' over the squared distance
+        qx, qy, tx, ty, k, speed = evaluate(si, sf, cp, best_j, best_s, px, py)
+        if phi < best * (1.0 - 1e-12) - ROUNDING / (qx * qx + qy * qy) or not (inside or through):
             break
         best_j = beyond
         best_s = sj

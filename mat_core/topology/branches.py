@@ -142,6 +142,14 @@ def _meet(si, i, j):
 
 
 @inner
+def _apart_sq(si, sf, cp, i, s, j, sj):
+    """Squared distance of the points at s on site i and at sj on site j."""
+    px, py, tx, ty, k, speed = evaluate(si, sf, cp, i, s, 0.0, 0.0)
+    qx, qy, tx, ty, k, speed = evaluate(si, sf, cp, j, sj, px, py)
+    return qx * qx + qy * qy
+
+
+@inner
 def _common_end(si, i, j):
     """0 or 1 when pieces i and j meet at the start or at the end of i, else -1."""
     if si[i, KIND] == FAN or si[j, KIND] == FAN or not _meet(si, i, j):
@@ -151,17 +159,21 @@ def _common_end(si, i, j):
 
 @inner
 def _root_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
-    """Solve the node of arcs 0, left, right once more along `left` if that meets `right` at a vertex: `disc[d]`, contacts `s`."""
-    i = w_i[left, 0]
-    end = _common_end(si, i, w_i[right, 0])
-    if end < 0:
+    """Solve the node of arcs 0, left, right once more along `left` or `right` if these meet at a vertex.
+
+    `disc[d]`, contacts `s` (on arcs 0, left, right). One of the two may be the fan of the vertex, which cannot be walked along.
+    """
+    along = right if si[w_i[left, 0], KIND] == FAN else left
+    other = left if along == right else right
+    i = w_i[along, 0]
+    if si[i, KIND] == FAN or not _meet(si, i, w_i[other, 0]):
         return
-    lo = w_f[left, 0]
-    hi = w_f[left, 1]
-    if end == 0:
-        at, phi, s_right, s_0 = _root(si, sf, cp, i, lo, hi, w_i, w_f, right, 0, tie)
+    lo = w_f[along, 0]
+    hi = w_f[along, 1]
+    if si[i, V0] == si[w_i[other, 0], V1]:
+        at, phi, s_other, s_0 = _root(si, sf, cp, i, lo, hi, w_i, w_f, other, 0, tie)
     else:
-        at, phi, s_0, s_right = _root(si, sf, cp, i, lo, hi, w_i, w_f, 0, right, tie)
+        at, phi, s_0, s_other = _root(si, sf, cp, i, lo, hi, w_i, w_f, 0, other, tie)
     # where along the wall the disc lies the corner tells best, how large it is the opposite side
     phi, s_0 = _touch_arc(si, sf, cp, i, at, w_i, w_f, 0, tie)
     if not K_LOW < phi < math.inf:
@@ -175,8 +187,8 @@ def _root_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
     disc[d, 1] = y
     disc[d, 2] = 1.0 / phi
     s[0] = s_0
-    s[1] = at
-    s[2] = s_right
+    s[1] = at if along == left else s_other
+    s[2] = s_other if along == left else at
 
 
 @inner
@@ -363,10 +375,13 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
         lo = bracket_f[top, 0]
         hi = bracket_f[top, 1]
         s, phi, sl, sr = _root(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie)
-        # beside a vertex of both, phi is steep: the other one has the better value where they meet
+        # beside a vertex of both, phi is steep: the contact that is farther away has the better value
         beside_left = _meet(si, site, w_i[left, 0])
         beside_right = _meet(si, site, w_i[right, 0])
-        if beside_left != beside_right:
+        if beside_left and beside_right:
+            beside_left = _apart_sq(si, sf, cp, site, s, w_i[left, 0], sl) < _apart_sq(si, sf, cp, site, s, w_i[right, 0], sr)
+            beside_right = not beside_left
+        if beside_left or beside_right:
             phi = _touch_arc(si, sf, cp, site, s, w_i, w_f, right if beside_left else left, tie)[0]
         # both may lie behind the tangent at s, where a third arc wins: no disc is larger than K_LOW allows
         least = max(phi, K_LOW)
