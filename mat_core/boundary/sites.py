@@ -81,6 +81,8 @@ from mat_core.model.domain import Domain
 from mat_core.tolerances import Tolerances
 
 KINK = 32.0  # roundings by which a joint may turn, radians, without anything being meant by it
+SAME_CURVATURE = 1e-12  # relative difference of the curvatures at both ends of a spiral below which it may be a circular arc
+FROM_CIRCLE = 1e-16  # distance from that arc, normalised, which is rounding
 
 
 class SiteTable(NamedTuple):
@@ -218,7 +220,25 @@ def _fill_piece(pieces_i, pieces_f, p, after, cp, site, loop, si, sf):
             sf[site, TY0 + 2 * side] = pieces_f[p, P_FRAME + 3 * side + 1]
             sf[site, K0 + side] = pieces_f[p, P_FRAME + 3 * side + 2]
         sf[site, SWEEP] = 0.0
+        length = _as_arc(site, length, si, sf)
     sf[site, LEN] = length
+
+
+@inner
+def _as_arc(site, length, si, sf):
+    """Make a spiral an arc that is one but for rounding, as beside the flat maximum of a curvature; its length."""
+    k = 0.5 * (sf[site, K0] + sf[site, K1])
+    change = abs(sf[site, K1] - sf[site, K0])
+    if not 0.0 < abs(k) < math.inf or change > SAME_CURVATURE * abs(k) or change * length * length > FROM_CIRCLE:
+        return length
+    sweep = math.atan2(sf[site, TX0] * sf[site, TY1] - sf[site, TY0] * sf[site, TX1],
+                       sf[site, TX0] * sf[site, TX1] + sf[site, TY0] * sf[site, TY1])
+    if not sweep * k > 0.0:
+        return length
+    si[site, KIND] = ARC
+    sf[site, K0] = sf[site, K1] = k
+    sf[site, SWEEP] = sweep
+    return abs(sweep / k)
 
 
 @inner

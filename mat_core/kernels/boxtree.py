@@ -17,14 +17,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.disc import touch
+from mat_core.kernels.disc import origin_end, touch
 from mat_core.kernels.jit import inner, jit
-from mat_core.kernels.layout import CP0, DEG, FAN, KIND, LINE, NEXT, PREV, V0, V1, X0, X1, XMAX, XMIN, Y0, Y1, YMAX, YMIN
+from mat_core.kernels.layout import (
+    CONVEX_VERTEX,
+    CORNER,
+    CP0,
+    DEG,
+    FAN,
+    KIND,
+    LINE,
+    NEXT,
+    PREV,
+    X0,
+    X1,
+    XMAX,
+    XMIN,
+    Y0,
+    Y1,
+    YMAX,
+    YMIN,
+)
 
 STACK = 128  # twice the depth of a tree over 2**60 sites
 IN_LOOP_ORDER = 64  # up to so many sites are not sorted
 ROUNDING = 2e-15  # of a centre and of the sides of a box, in normalised coordinates
 GREEDY_STEPS = 64
+BESIDE = 1e-7  # radii; a foot this near to a convex vertex may lie on either side of it, as far as distances tell
 
 
 class Tree(NamedTuple):
@@ -234,17 +253,11 @@ def _distance_sq(box, v, cx, cy):
 
 
 @inner
-def touch_candidate(si, sf, cp, i, j, px, py, d0x, d0y, d1x, d1y, nx, ny):
-    """`touch` of site j from the point p of site i, about a shared vertex if there is one (d0, d1: p relative to i's ends)."""
-    start = si[j, V0] == si[i, V0] or si[j, V1] == si[i, V0]
-    end = si[j, V0] == si[i, V1] or si[j, V1] == si[i, V1]
-    if start and end:
-        start = d0x * d0x + d0y * d0y <= d1x * d1x + d1y * d1y
-    if start:
+def touch_candidate(si, sf, cp, i, j, d0x, d0y, d1x, d1y, nx, ny):
+    """`touch` of site j from a point of site i (d0, d1: that point relative to i's ends)."""
+    if origin_end(si, i, j, d0x * d0x + d0y * d0y <= d1x * d1x + d1y * d1y) == 0:
         return touch(si, sf, cp, j, 0.0, 1.0, sf[i, X0], sf[i, Y0], d0x, d0y, nx, ny)
-    if end:
-        return touch(si, sf, cp, j, 0.0, 1.0, sf[i, X1], sf[i, Y1], d1x, d1y, nx, ny)
-    return touch(si, sf, cp, j, 0.0, 1.0, px, py, 0.0, 0.0, nx, ny)
+    return touch(si, sf, cp, j, 0.0, 1.0, sf[i, X1], sf[i, Y1], d1x, d1y, nx, ny)
 
 
 @inner
@@ -256,6 +269,45 @@ def _nearest_leaf(tree, v, cx, cy):
         if _distance_sq(tree.box, v + 1, cx, cy) < _distance_sq(tree.box, v, cx, cy):
             v += 1
     return tree.site[v - leaves]
+
+
+@inner
+def _pass_on(si, sf, cp, i, skip, px, py, d0x, d0y, d1x, d1y, nx, ny, best, j, s):
+    """(site, s) of a contact found at s on site j near one of its ends, where the next site touches the disc as well.
+
+    A contact at the very end is tangent there only if the site beyond does not take it over; a fan passes it on. Beside a convex
+    vertex that turns by little both sides touch but for rounding: the disc touches the one on which its foot is farther from the
+    vertex.
+    """
+    forward = s > 0.5
+    while True:
+        beyond = si[j, NEXT] if forward else si[j, PREV]
+        corner = beyond if forward else j
+        vx = sf[corner, X0]
+        vy = sf[corner, Y0]
+        qx, qy, tx, ty, k, speed = evaluate(si, sf, cp, j, s, vx, vy)
+        depth = qx * qx + qy * qy
+        convex = si[corner, CORNER] == CONVEX_VERTEX and depth * best * best < BESIDE * BESIDE
+        at_end = s >= 1.0 if forward else s <= 0.0
+        if beyond == i or beyond == skip or not (at_end or convex):
+            break
+        phi, sj = touch_candidate(si, sf, cp, i, beyond, d0x, d0y, d1x, d1y, nx, ny)
+        # both values are of one point, but for rounding: that of phi is the coordinates' over the squared distance
+        qx += vx - px
+        qy += vy - py
+        inside = 0.0 < sj < 1.0
+        through = si[beyond, KIND] == FAN and (sj >= 1.0 if forward else sj <= 0.0)
+        if phi < best * (1.0 - 1e-12) - ROUNDING / (qx * qx + qy * qy) or not (inside or through):
+            break
+        if convex:
+            qx, qy, tx, ty, k, speed = evaluate(si, sf, cp, beyond, sj, vx, vy)
+            if qx * qx + qy * qy <= depth:
+                break
+        j = beyond
+        s = sj
+        if inside:
+            break
+    return j, s
 
 
 @jit
@@ -272,7 +324,7 @@ def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
     best_j = -1
     best_s = 0.0
     if hint >= 0 and hint != i and hint != skip:
-        phi, sj = touch_candidate(si, sf, cp, i, hint, px, py, d0x, d0y, d1x, d1y, nx, ny)
+        phi, sj = touch_candidate(si, sf, cp, i, hint, d0x, d0y, d1x, d1y, nx, ny)
         if phi > best:
             best = phi
             best_j = hint
@@ -300,7 +352,7 @@ def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
         phi = -math.inf
         sj = 0.0
         if j >= 0 and j != i and j != skip and j != hint and j != best_j:
-            phi, sj = touch_candidate(si, sf, cp, i, j, px, py, d0x, d0y, d1x, d1y, nx, ny)
+            phi, sj = touch_candidate(si, sf, cp, i, j, d0x, d0y, d1x, d1y, nx, ny)
         if phi <= best:
             if climbing:
                 continue
@@ -336,7 +388,7 @@ def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
         j = tree.site[v - leaves]
         if j == i or j == skip or j == hint or j == seen:
             continue
-        phi, sj = touch_candidate(si, sf, cp, i, j, px, py, d0x, d0y, d1x, d1y, nx, ny)
+        phi, sj = touch_candidate(si, sf, cp, i, j, d0x, d0y, d1x, d1y, nx, ny)
         if phi > best:
             best = phi
             best_j = j
@@ -345,19 +397,6 @@ def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
             limit = (r + ROUNDING) * (r + ROUNDING)
             cx = px + r * nx
             cy = py + r * ny
-    # a contact at the end of a site is tangent there only if the site beyond the joint does not take it over; a fan passes it on
-    forward = best_s >= 1.0
-    while best_j >= 0 and (best_s >= 1.0 if forward else best_s <= 0.0):
-        beyond = si[best_j, NEXT] if forward else si[best_j, PREV]
-        if beyond == i or beyond == skip:
-            break
-        phi, sj = touch_candidate(si, sf, cp, i, beyond, px, py, d0x, d0y, d1x, d1y, nx, ny)
-        inside = 0.0 < sj < 1.0
-        through = si[beyond, KIND] == FAN and (sj >= 1.0 if forward else sj <= 0.0)
-        # both values are of one point, but for rounding: that of phi is the coordinates' over the squared distance
-        qx, qy, tx, ty, k, speed = evaluate(si, sf, cp, best_j, best_s, px, py)
-        if phi < best * (1.0 - 1e-12) - ROUNDING / (qx * qx + qy * qy) or not (inside or through):
-            break
-        best_j = beyond
-        best_s = sj
+    if best_j >= 0:
+        best_j, best_s = _pass_on(si, sf, cp, i, skip, px, py, d0x, d0y, d1x, d1y, nx, ny, best, best_j, best_s)
     return best, best_j, best_s

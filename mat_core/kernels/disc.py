@@ -12,7 +12,7 @@ an arc twice), where W = k|D|^2 + 2 N.D < 0; there the angle
 
 of the inverted tangent decreases through zero. The signs of dphi at both ends would not bracket it; psi does.
 
-    p = O + dp   point of tangency; O is p itself, or a vertex that both sites share (keeps small differences exact)
+    p = O + dp   point of tangency; O is an end of its site, of both if there is one: small differences stay exact
     t, n         unit tangent and inward normal at p
     q, T, N, k   point, tangent, normal, curvature on the other site, at s in [lo, hi]
 """
@@ -324,20 +324,23 @@ def touch(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
 
 
 @inner
+def origin_end(si, i, j, near_start):
+    """0 or 1: the end of site i from which differences to site j are taken: a vertex of both, else the one nearer to p.
+
+    Coordinates of two sites that are near each other differ exactly; what is left are short ways along both of them.
+    """
+    start = si[j, V0] == si[i, V0] or si[j, V1] == si[i, V0]
+    end = si[j, V0] == si[i, V1] or si[j, V1] == si[i, V1]
+    if start != end:
+        return 0 if start else 1
+    return 0 if near_start else 1
+
+
+@inner
 def touch_from(si, sf, cp, i, s, j, lo, hi):
-    """(phi, s_j) of the circle tangent at s on site i against [lo, hi] of site j; about a shared vertex if there is one."""
-    if si[j, V0] == si[i, V0] or si[j, V1] == si[i, V0]:
-        shared = 0
-        if (si[j, V0] == si[i, V1] or si[j, V1] == si[i, V1]) and s > 0.5:
-            shared = 1
-    elif si[j, V0] == si[i, V1] or si[j, V1] == si[i, V1]:
-        shared = 1
-    else:
-        shared = 2
-    if shared == 2:
-        ox, oy, tx, ty, k, speed = evaluate(si, sf, cp, i, s, 0.0, 0.0)
-        return touch(si, sf, cp, j, lo, hi, ox, oy, 0.0, 0.0, -ty, tx)
-    ox = sf[i, X0] if shared == 0 else sf[i, X1]
-    oy = sf[i, Y0] if shared == 0 else sf[i, Y1]
+    """(phi, s_j) of the circle tangent at s on site i against [lo, hi] of site j."""
+    at_start = origin_end(si, i, j, s <= 0.5) == 0
+    ox = sf[i, X0] if at_start else sf[i, X1]
+    oy = sf[i, Y0] if at_start else sf[i, Y1]
     dpx, dpy, tx, ty, k, speed = evaluate(si, sf, cp, i, s, ox, oy)
     return touch(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, -ty, tx)
