@@ -19,8 +19,8 @@ from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import ARC_CONTACT, CURVATURE_LEAF, NEXT, VERTEX_LEAF
 from mat_core.tolerances import Tolerances
-from mat_core.topology.discs import find, same_disc, unite
 from mat_core.topology.skeleton import Skeleton
+from mat_core.topology.unite import find, same_disc, unite
 
 BRANCH, CONVEX_VERTEX_NODE, CURVATURE_CENTER, ARC_CENTER, POINT = 0, 1, 2, 3, 4
 NODE_KINDS = ("branch", "convex_vertex", "curvature_center", "arc_center", "point")

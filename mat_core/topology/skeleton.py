@@ -19,10 +19,9 @@ from mat_core.kernels.jit import jit
 from mat_core.kernels.layout import ARC_CONTACT, LOOP, THROUGH, X0, Y0
 from mat_core.tolerances import Tolerances
 from mat_core.topology.branches import solve_faces
-from mat_core.topology.discs import (
-    OK,
-    all_joint_discs,
-    connect_loops,
+from mat_core.topology.discs import OK, all_joint_discs, connect_loops
+from mat_core.topology.faces import cut_arcs, link_arcs, list_faces
+from mat_core.topology.unite import (
     contact_angle,
     find,
     group_contacts,
@@ -32,7 +31,6 @@ from mat_core.topology.discs import (
     unite_interleaved,
     unite_whole,
 )
-from mat_core.topology.faces import cut_arcs, link_arcs, list_faces
 
 SLANT = 0.5957  # of the direction along which centres of discs are sorted, with 0.8 not quite of length 1
 
