@@ -19,9 +19,10 @@ from mat_core.kernels.layout import ARC, LINE, SPIRAL
 # columns of the tables of pieces
 P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN = range(6)
 P_UA, P_UB, P_SKEW, P_X, P_Y, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(9)
-# P_SKEW: as `layout.SKEW`; P_X, P_Y: start; P_FRAME: tx, ty, k at both ends
+P_X_LOW, P_Y_LOW = 14, 15
+# P_SKEW: as `layout.SKEW`; P_X, P_Y: start, P_X_LOW, P_Y_LOW: its further digits; P_FRAME: tx, ty, k at both ends
 PI_WIDTH = 6
-PF_WIDTH = 14
+PF_WIDTH = 16
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
@@ -159,6 +160,44 @@ def _tight_cut(cp, c0, deg, begin, end):
 
 
 @inner
+def _moved(high, low, by):
+    """high + low + by as a number in two parts, the first one rounded."""
+    rounded = high + by
+    rest = rounded - high
+    low += (high - (rounded - rest)) + (by - rest)
+    return rounded + low, low - ((rounded + low) - rounded)
+
+
+@inner
+def _chain(cp, c0, deg, pieces_i, pieces_f, first, count, to_the_end):
+    """Starts of the pieces of one Bezier to more digits, each where the one before ends by its own control points.
+
+    So pieces that are near each other, with tiny ones in between, keep the digits of their differences. What rounding leaves over
+    goes to the longest piece; those behind it are placed from the end of the Bezier.
+    """
+    longest = first
+    most = -1.0
+    for p in range(first, count):
+        end = pieces_i[p, P_CP0] + deg
+        size = abs(cp[end, 0]) + abs(cp[end, 1])
+        if size > most:
+            most = size
+            longest = p
+    if not to_the_end:
+        longest = count - 1
+    for axis in range(2):
+        for p in range(first + 1, longest + 1):
+            pieces_f[p, P_X + axis], pieces_f[p, P_X_LOW + axis] = _moved(
+                pieces_f[p - 1, P_X + axis], pieces_f[p - 1, P_X_LOW + axis], cp[pieces_i[p - 1, P_CP0] + deg, axis])
+        high = cp[c0 + deg, axis]
+        low = 0.0
+        for p in range(count - 1, longest, -1):
+            high, low = _moved(high, low, -cp[pieces_i[p, P_CP0] + deg, axis])
+            pieces_f[p, P_X + axis] = high
+            pieces_f[p, P_X_LOW + axis] = low
+
+
+@inner
 def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table, work,
                 bounds, roots):
     """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small."""
@@ -176,6 +215,7 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             n_roots = curvature_changes(cp, c0, deg, rational, cp_used, rounding, table, work, bounds, roots)
             if n_roots < 0:
                 return -1, cp_used
+    first = count
     length = 0.0
     for i in range(deg):
         length += abs(cp[c0 + i + 1, 0] - cp[c0 + i, 0]) + abs(cp[c0 + i + 1, 1] - cp[c0 + i, 1])
@@ -201,6 +241,7 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                 return -1, cp_used
             pieces_f[count, P_X], pieces_f[count, P_Y] = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
+            pieces_f[count, P_X_LOW] = pieces_f[count, P_Y_LOW] = 0.0
             if kind == SPIRAL:
                 _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
             pieces_i[count, P_KIND] = kind
@@ -220,6 +261,7 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             cp_used += deg + 1
             count += 1
             begin = end
+    _chain(cp, c0, deg, pieces_i, pieces_f, first, count, last == 1.0)
     return count, cp_used
 
 

@@ -29,7 +29,9 @@ from mat_core.boundary.pieces import (
     P_UA,
     P_UB,
     P_X,
+    P_X_LOW,
     P_Y,
+    P_Y_LOW,
     PF_WIDTH,
     PI_WIDTH,
     cut_beziers,
@@ -69,11 +71,15 @@ from mat_core.kernels.layout import (
     V0,
     V1,
     X0,
+    X0_LOW,
     X1,
+    X1_LOW,
     XMAX,
     XMIN,
     Y0,
+    Y0_LOW,
     Y1,
+    Y1_LOW,
     YMAX,
     YMIN,
 )
@@ -177,6 +183,10 @@ def _fill_piece(pieces_i, pieces_f, p, after, cp, site, loop, si, sf):
     y0 = sf[site, Y0] = pieces_f[p, P_Y]
     x1 = sf[site, X1] = pieces_f[after, P_X]
     y1 = sf[site, Y1] = pieces_f[after, P_Y]
+    sf[site, X0_LOW] = pieces_f[p, P_X_LOW]
+    sf[site, Y0_LOW] = pieces_f[p, P_Y_LOW]
+    sf[site, X1_LOW] = pieces_f[after, P_X_LOW]
+    sf[site, Y1_LOW] = pieces_f[after, P_Y_LOW]
     xmin = min(x0, x1)
     xmax = max(x0, x1)
     ymin = min(y0, y1)
@@ -254,6 +264,8 @@ def _fill_fan(site, before, after, turn, si, sf):
     y = sf[after, Y0]
     sf[site, X0] = sf[site, X1] = sf[site, XMIN] = sf[site, XMAX] = x
     sf[site, Y0] = sf[site, Y1] = sf[site, YMIN] = sf[site, YMAX] = y
+    sf[site, X0_LOW] = sf[site, X1_LOW] = sf[after, X0_LOW]
+    sf[site, Y0_LOW] = sf[site, Y1_LOW] = sf[after, Y0_LOW]
     sf[site, TX0] = sf[before, TX1]
     sf[site, TY0] = sf[before, TY1]
     sf[site, TX1] = sf[after, TX0]

@@ -35,9 +35,13 @@ from mat_core.kernels.layout import (
     UA,
     UB,
     X0,
+    X0_LOW,
     X1,
+    X1_LOW,
     Y0,
+    Y0_LOW,
     Y1,
+    Y1_LOW,
 )
 
 Floats = NDArray  # (n, k) float64
@@ -102,9 +106,9 @@ def site_frame(si, sf, cp, i, s, ox, oy):
     at_end = ox == sf[i, X1] and oy == sf[i, Y1]
     if at_start if at_start != at_end else s <= 0.5:
         x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, si[i, RATIONAL], s, 0.0, 0.0)
-        return x + (sf[i, X0] - ox), y + (sf[i, Y0] - oy), x1, y1, x2, y2
+        return x + ((sf[i, X0] - ox) + sf[i, X0_LOW]), y + ((sf[i, Y0] - oy) + sf[i, Y0_LOW]), x1, y1, x2, y2
     x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, si[i, RATIONAL], s, cp[c0 + deg, 0], cp[c0 + deg, 1])
-    return x + (sf[i, X1] - ox), y + (sf[i, Y1] - oy), x1, y1, x2, y2
+    return x + ((sf[i, X1] - ox) + sf[i, X1_LOW]), y + ((sf[i, Y1] - oy) + sf[i, Y1_LOW]), x1, y1, x2, y2
 
 
 @jit
@@ -119,11 +123,11 @@ def evaluate(si, sf, cp, i, s, ox, oy):
         lx = sf[i, X1] - sf[i, X0]
         ly = sf[i, Y1] - sf[i, Y0]
         if s <= 0.5:
-            x = (sf[i, X0] - ox) + s * lx
-            y = (sf[i, Y0] - oy) + s * ly
+            x = ((sf[i, X0] - ox) + sf[i, X0_LOW]) + s * lx
+            y = ((sf[i, Y0] - oy) + sf[i, Y0_LOW]) + s * ly
         else:
-            x = (sf[i, X1] - ox) - (1.0 - s) * lx
-            y = (sf[i, Y1] - oy) - (1.0 - s) * ly
+            x = ((sf[i, X1] - ox) + sf[i, X1_LOW]) - (1.0 - s) * lx
+            y = ((sf[i, Y1] - oy) + sf[i, Y1_LOW]) - (1.0 - s) * ly
         return x, y, sf[i, TX0], sf[i, TY0], 0.0, math.sqrt(lx * lx + ly * ly)
     if kind == ARC:
         k = sf[i, K0]
@@ -131,8 +135,8 @@ def evaluate(si, sf, cp, i, s, ox, oy):
         angle = s * sf[i, SWEEP] if from_start else (s - 1.0) * sf[i, SWEEP]
         tx = sf[i, TX0] if from_start else sf[i, TX1]
         ty = sf[i, TY0] if from_start else sf[i, TY1]
-        x = (sf[i, X0] - ox) if from_start else (sf[i, X1] - ox)
-        y = (sf[i, Y0] - oy) if from_start else (sf[i, Y1] - oy)
+        x = (sf[i, X0] - ox) + sf[i, X0_LOW] if from_start else (sf[i, X1] - ox) + sf[i, X1_LOW]
+        y = (sf[i, Y0] - oy) + sf[i, Y0_LOW] if from_start else (sf[i, Y1] - oy) + sf[i, Y1_LOW]
         sa = math.sin(angle)
         ca = math.cos(angle)
         half = math.sin(0.5 * angle)
@@ -146,7 +150,9 @@ def evaluate(si, sf, cp, i, s, ox, oy):
         ca = math.cos(angle)
         tx = sf[i, TX0]
         ty = sf[i, TY0]
-        return sf[i, X0] - ox, sf[i, Y0] - oy, ca * tx - sa * ty, ca * ty + sa * tx, -math.inf, abs(sf[i, SWEEP])
+        x = (sf[i, X0] - ox) + sf[i, X0_LOW]
+        y = (sf[i, Y0] - oy) + sf[i, Y0_LOW]
+        return x, y, ca * tx - sa * ty, ca * ty + sa * tx, -math.inf, abs(sf[i, SWEEP])
     x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, i, s, ox, oy)
     speed = math.sqrt(x1 * x1 + y1 * y1)
     if s <= 0.0:

@@ -38,15 +38,19 @@ from mat_core.kernels.layout import (
     V0,
     V1,
     X0,
+    X0_LOW,
     X1,
+    X1_LOW,
     Y0,
+    Y0_LOW,
     Y1,
+    Y1_LOW,
 )
 
 NEWTON_STEPS = 60
 CAP_STEPS = 48  # halvings of a piece until the turn of D is clear
 CONCENTRIC = 1e-14  # a disc this near to an arc's centre, relative to its radius, touches it anywhere
-FLAT = 1e-14  # relative difference of two values of phi that says nothing
+FLAT = 1e-12  # relative difference of two values of phi that does not make an end of a site better than its inside
 CANCELLED = 0.1  # below this share left over, a difference has lost a digit
 
 
@@ -74,8 +78,8 @@ def _ends(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
 @inner
 def touch_fan(sf, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     """A reflex vertex is a point: phi there, and which of its normals points at the centre (clamped to the range)."""
-    dx = sf[j, X0] - ox - dpx
-    dy = sf[j, Y0] - oy - dpy
+    dx = ((sf[j, X0] - ox) + sf[j, X0_LOW]) - dpx
+    dy = ((sf[j, Y0] - oy) + sf[j, Y0_LOW]) - dpy
     phi = through_point(dx, dy, nx, ny)
     if phi <= 0.0:
         return phi, lo
@@ -119,8 +123,8 @@ def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     tx = sf[j, TX1] if from_end else sf[j, TX0]
     ty = sf[j, TY1] if from_end else sf[j, TY0]
     k = sf[j, K0] if si[j, KIND] == ARC else 0.0
-    gx = (ox - rx) + dpx
-    gy = (oy - ry) + dpy
+    gx = ((ox - rx) - (sf[j, X1_LOW] if from_end else sf[j, X0_LOW])) + dpx
+    gy = ((oy - ry) - (sf[j, Y1_LOW] if from_end else sf[j, Y0_LOW])) + dpy
     mx = -ty
     my = tx
     gap = 0.5 * ((nx - mx) * (nx - mx) + (ny - my) * (ny - my))
@@ -306,7 +310,7 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
             break
     x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
     phi = through_point(x - dpx, y - dpy, nx, ny)
-    # phi is flat there: an end close by is not better than rounding makes it
+    # an end is the next site's contact as well, and where phi is flat it is not better than rounding makes it
     if phi >= best - FLAT * abs(best):
         return phi, s
     return best, s_best

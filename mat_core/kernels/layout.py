@@ -15,7 +15,8 @@ SI_WIDTH = 12
 
 # sf: floats of a site
 X0, Y0, X1, Y1, TX0, TY0, TX1, TY1, K0, K1, LEN, SWEEP, UA, UB, SKEW, XMIN, YMIN, XMAX, YMAX = range(19)
-SF_WIDTH = 19
+X0_LOW, Y0_LOW, X1_LOW, Y1_LOW = range(19, 23)  # what is left of the ends beyond the digits of X0 .. Y1
+SF_WIDTH = 23
 
 # SKEW q: the input edge's parameter at s on the site's Bezier is UA + (UB - UA) s / (s + q (1 - s))
 # CORNER: the joint at the start of a site

@@ -30,9 +30,11 @@ from mat_core.kernels.layout import (
     V0,
     V1,
     X0,
+    X1,
     XMAX,
     XMIN,
     Y0,
+    Y1,
     YMAX,
     YMIN,
 )
@@ -43,6 +45,8 @@ YIELD = 4.0  # ties
 CONCENTRIC = 1e-6  # a centre this near to that of curvature, relative to its radius, moves its nearest point by rounding alone
 FOOT_STEPS = 40
 POLISH_STEPS = 6
+STEEP = 0.01  # radii between two contacts, within which phi of one seen from the other loses digits
+BESIDE = 1e-4  # radii between a contact and an end of a site, within which the two look alike from afar
 LEVER = 1e4  # a step this many times what it mends goes where two contacts that nearly are one leave the disc free
 SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
 PARALLEL = 1e-7  # determinant of three contact directions below which a disc is not polished
@@ -136,45 +140,53 @@ def _apart_sq(si, sf, cp, i, s, j, sj):
 
 
 @inner
-def _common_end(si, i, j):
-    """0 or 1 when pieces i and j meet at the start or at the end of i, else -1."""
-    if si[i, KIND] == FAN or si[j, KIND] == FAN or not _meet(si, i, j):
-        return -1
-    return 0 if si[i, V0] == si[j, V1] else 1
+def _beside(si, sf, cp, i, s, j, phi):
+    """Whether the contact at s on site i of a disc lies where site j begins or ends, as far as that disc can tell.
+
+    They have a vertex in common, or one tiny site between them.
+    """
+    if _meet(si, i, j):
+        return True
+    near = BESIDE / phi
+    x0, y0, tx, ty, k, speed = evaluate(si, sf, cp, i, s, sf[j, X0], sf[j, Y0])
+    x1, y1, tx, ty, k, speed = evaluate(si, sf, cp, i, s, sf[j, X1], sf[j, Y1])
+    return min(x0 * x0 + y0 * y0, x1 * x1 + y1 * y1) < near * near
 
 
 @inner
 def solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
-    """Solve the node of arcs 0, left, right once more along `left` or `right` if these meet at a vertex.
+    """Solve the node of arcs 0, left, right once more along `left` or `right` where one begins beside the end of the other.
 
     `disc[d]`, contacts `s` (on arcs 0, left, right). One of the two may be the fan of the vertex, which cannot be walked along.
+    Returns which of the contacts the disc was built on: its foot is exact.
     """
     along = right if si[w_i[left, 0], KIND] == FAN else left
     other = left if along == right else right
     i = w_i[along, 0]
-    if si[i, KIND] == FAN or not _meet(si, i, w_i[other, 0]):
-        return
+    if si[i, KIND] == FAN or not _beside(si, sf, cp, i, s[1] if along == left else s[2], w_i[other, 0], 1.0 / disc[d, 2]):
+        return 0
     lo = w_f[along, 0]
     hi = w_f[along, 1]
-    if si[i, V0] == si[w_i[other, 0], V1]:
+    if along == left:
         at, phi, s_other, s_0 = partner_change(si, sf, cp, i, lo, hi, w_i, w_f, other, 0, tie)
     else:
         at, phi, s_0, s_other = partner_change(si, sf, cp, i, lo, hi, w_i, w_f, 0, other, tie)
     # where along the wall the disc lies the corner tells best, how large it is the opposite side
     phi, s_0 = touch_arc(si, sf, cp, i, at, w_i, w_f, 0, tie)
     if not K_LOW < phi < math.inf:
-        return
+        return 0
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, i, at, 0.0, 0.0)
     x = px - ty / phi
     y = py + tx / phi
     if math.sqrt((x - disc[d, 0]) ** 2 + (y - disc[d, 1]) ** 2) > 1e-6 / phi:
-        return
+        return 0
     disc[d, 0] = x
     disc[d, 1] = y
     disc[d, 2] = 1.0 / phi
     s[0] = s_0
     s[1] = at if along == left else s_other
     s[2] = s_other if along == left else at
+    return 1 if along == left else 2
 
 
 @inner
@@ -201,13 +213,14 @@ def best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi, tie):
 
 @inner
 def seen_from(si, sf, cp, w_i, w_f, arc, s, between, phi, tie):
-    """phi over `phi` of the disc at s on one arc that touches `between`, which begins where the arc ends; 1 if it does not.
+    """phi over `phi` of the disc at s on one arc that touches `between`, which begins beside its contact; 1 if it does not.
 
     Two arcs that meet at a nearly smooth corner look alike from afar; seen from one of them, the other tells whether a disc
     reaches it.
     """
     i = w_i[arc, 0]
-    if _common_end(si, i, w_i[between, 0]) < 0 or s <= 0.0 or s >= 1.0:
+    j = w_i[between, 0]
+    if si[i, KIND] == FAN or si[j, KIND] == FAN or s <= 0.0 or s >= 1.0 or not _beside(si, sf, cp, i, s, j, phi):
         return 1.0
     value, sj = touch_arc(si, sf, cp, i, s, w_i, w_f, between, tie)
     return value / phi
@@ -268,10 +281,11 @@ def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
 
 
 @inner
-def polish(si, sf, cp, site, s, lo, hi, disc, d):
+def polish(si, sf, cp, site, s, lo, hi, exact, disc, d):
     """Newton for the disc that touches three given parts: m_m . dc - dr = r - |c - q_m|, q_m the feet of c, m_m towards c.
 
-    Kept if it brings the disc nearer to touching all three.
+    Kept if it brings the disc nearer to touching all three. The foot `exact` is not sought before the disc moves: where a part is
+    nearly concentric with the disc, it would be lost.
     """
     best = math.inf
     cx = disc[d, 0]
@@ -281,9 +295,12 @@ def polish(si, sf, cp, site, s, lo, hi, disc, d):
     f2 = s[2]
     for step in range(POLISH_STEPS):
         if step > 0:
-            f0 = _foot(si, sf, cp, site[0], f0, lo[0], hi[0], cx, cy)
-            f1 = _foot(si, sf, cp, site[1], f1, lo[1], hi[1], cx, cy)
-            f2 = _foot(si, sf, cp, site[2], f2, lo[2], hi[2], cx, cy)
+            if step > 1 or exact != 0:
+                f0 = _foot(si, sf, cp, site[0], f0, lo[0], hi[0], cx, cy)
+            if step > 1 or exact != 1:
+                f1 = _foot(si, sf, cp, site[1], f1, lo[1], hi[1], cx, cy)
+            if step > 1 or exact != 2:
+                f2 = _foot(si, sf, cp, site[2], f2, lo[2], hi[2], cx, cy)
         q0x, q0y, tx, ty, k, speed = evaluate(si, sf, cp, site[0], f0, cx, cy)
         q1x, q1y, tx, ty, k, speed = evaluate(si, sf, cp, site[1], f1, cx, cy)
         q2x, q2y, tx, ty, k, speed = evaluate(si, sf, cp, site[2], f2, cx, cy)
@@ -296,7 +313,8 @@ def polish(si, sf, cp, site, s, lo, hi, disc, d):
         if step == 0:
             if miss <= SETTLED:
                 for m in range(3):
-                    s[m] = _foot(si, sf, cp, site[m], s[m], lo[m], hi[m], cx, cy)
+                    if m != exact:
+                        s[m] = _foot(si, sf, cp, site[m], s[m], lo[m], hi[m], cx, cy)
                 return
             # the feet may be far off on parts that are nearly concentric with the disc: they are found first
             best = miss + SETTLED
@@ -332,13 +350,12 @@ def polish(si, sf, cp, site, s, lo, hi, disc, d):
 def farther_phi(si, sf, cp, site, s, phi, w_i, w_f, left, sl, right, sr, tie):
     """phi at s on a site, which arcs left and right agree on, by the one that tells it better.
 
-    Beside a vertex that the site has in common with an arc, phi is steep: the contact that is farther away has the better value.
+    That of a contact at D has an error of some 1e-16 / (phi |D|), relatively: if one is near, the other one has the better value.
     """
-    beside_left = _meet(si, site, w_i[left, 0])
-    beside_right = _meet(si, site, w_i[right, 0])
-    if beside_left and beside_right:
-        beside_left = _apart_sq(si, sf, cp, site, s, w_i[left, 0], sl) < _apart_sq(si, sf, cp, site, s, w_i[right, 0], sr)
-        beside_right = not beside_left
-    if beside_left or beside_right:
-        phi, sj = touch_arc(si, sf, cp, site, s, w_i, w_f, right if beside_left else left, tie)
+    if not 0.0 < phi < math.inf:
+        return phi
+    to_left = _apart_sq(si, sf, cp, site, s, w_i[left, 0], sl)
+    to_right = _apart_sq(si, sf, cp, site, s, w_i[right, 0], sr)
+    if min(to_left, to_right) * phi * phi < STEEP * STEEP:
+        phi, sj = touch_arc(si, sf, cp, site, s, w_i, w_f, left if to_left > to_right else right, tie)
     return phi

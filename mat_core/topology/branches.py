@@ -102,8 +102,8 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
             tri_hi[m] = w_f[arc_m, 1]
         tri_lo[0] = lo
         tri_hi[0] = hi
-        solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, tri_s)
-        polish(si, sf, cp, tri_site, tri_s, tri_lo, tri_hi, disc, d)
+        exact = solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, tri_s)
+        polish(si, sf, cp, tri_site, tri_s, tri_lo, tri_hi, exact, disc, d)
         contacts_i[n_contacts] = 0
         contacts_s[n_contacts] = tri_s[0]
         contacts_i[n_contacts + 1] = left
