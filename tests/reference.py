@@ -377,9 +377,7 @@ class Reference:
     def corners(self) -> list[Corner]:
         """Every vertex of the boundary, with the interior on the left."""
         t0, t1 = self.ends
-        before, after = t1, t0[self.follow]
-        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        turn = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
+        before, after, turn = t1, t0[self.follow], self.turns
         found = []
         for i in np.nonzero(self.stalls & (np.abs(turn) <= self.smooth_angle))[0]:  # curvature +inf: a vertex of angle pi
             normal = _left(before[i] * self.side[i])
@@ -396,12 +394,23 @@ class Reference:
     @cached_property
     def flat_corners(self) -> Floats:
         """(n, 2) places where the boundary turns left by too little for a corner, though by more than rounding."""
+        flat: Floats = self.boundary.end[(self.turns > 1e-12) & (self.turns < 10 * CORNER)]
+        return flat
+
+    @cached_property
+    def turns(self) -> Floats:
+        """(cells,) angle from each cell to its follower, radians, left positive; what rounding makes of tiny cells is none.
+
+        Between knots a curve turns at once only where it stands still, and then right back.
+        """
         t0, t1 = self.ends
         before, after = t1, t0[self.follow]
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        turn = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
-        flat: Floats = self.boundary.end[(turn > 1e-12) & (turn < 10 * CORNER)]
-        return flat
+        turn: Floats = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
+        knots = [full_knots(e) for loop in self.loops for e in loop]
+        between = np.array([u not in knots[o] for o, u in zip(self.boundary.owner, self.boundary.u1, strict=True)])
+        turn[between & (np.abs(turn) < 1.0)] = 0.0
+        return turn
 
     @cached_property
     def stalls(self) -> NDArray[np.bool_]:
