@@ -256,7 +256,8 @@ def check_discs(report: Report, answer: Answer, reference: Reference, tolerance:
     excuse = _leaf_nearness(reference, center, radius, error, touching)
     lonely = lonely[~excuse[lonely]]
     # a branch into a corner that is too flat to see touches both its sides nearly at the corner itself
-    flat = reference.flat_corners
+    # and one between a reflex vertex and a tight bend beside it touches both there
+    flat = np.vstack([reference.flat_corners, reference.bends_beside_reflex])
     if len(flat):
         gap = np.linalg.norm(anchor[lonely][:, None] - flat[None], axis=2).min(axis=1)
         lonely = lonely[gap > 1e-5 * radius[lonely] + 1e-9]

@@ -18,6 +18,7 @@ from tests.reference import SMOOTH_TURN, Floats, Ints, Reference
 LARGEST = 2.0  # no disc of a domain of size one is larger
 LEVEL = 1e-8  # relative change of curvature below which an arc is circular
 ALL_BUT_CIRCLE = 1e-6  # relative change of curvature along a loop that is a circle to the eye
+CIRCLE = 1e-13  # that of a true circle
 SLIGHT = 1e-11  # relative change of curvature that is none: rounding
 JOINT_BLUR = 1e-11  # rounding of a cell's second derivative, in its own parameter: what two cells differ by where they meet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
@@ -62,11 +63,12 @@ def count_leaves(reference: Reference) -> Leaves:
 
 def nearly_circular(reference: Reference) -> int:
     """Leaves that a circle may have whose edges differ by next to nothing: two for each edge."""
-    if len(reference.loops) > 1:
+    if len(reference.loops) > 1 or any(abs(c.turn) > FLAT for c in reference.corners):
         return 0
     cells = np.repeat(np.arange(len(reference.boundary.owner)), 3)
     k = reference.at(cells, np.tile([0.1, 0.5, 0.9], len(cells) // 3))[2]
-    return 2 * len(reference.names) if np.ptp(k) < ALL_BUT_CIRCLE * np.abs(k).max() else 0
+    low, high = CIRCLE * np.abs(k).max(), ALL_BUT_CIRCLE * np.abs(k).max()
+    return 2 * len(reference.names) if low < np.ptp(k) < high else 0
 
 
 def _whole(reference: Reference, center: Floats) -> bool:

@@ -398,6 +398,16 @@ class Reference:
         return flat
 
     @cached_property
+    def bends_beside_reflex(self) -> Floats:
+        """(n, 2) reflex vertices beside which the boundary bends outward more tightly than a thousandth of the size."""
+        cells = np.array([c.cell for c in self.corners if c.turn < 0], dtype=np.int64)
+        if not len(cells):
+            return np.empty((0, 2))
+        before, after = self.at(cells, np.ones(len(cells)))[2], self.at(self.follow[cells], np.zeros(len(cells)))[2]
+        tight: Floats = self.boundary.end[cells[np.fmax(before, after) > 1e3]]
+        return tight
+
+    @cached_property
     def turns(self) -> Floats:
         """(cells,) angle from each cell to its follower, radians, left positive; what rounding makes of tiny cells is none.
 
