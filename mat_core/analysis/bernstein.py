@@ -40,7 +40,8 @@ def product(a: Floats, b: Floats) -> Floats:
 
 def derivative(c: Floats) -> Floats:
     """Derivatives of rows (m, n + 1), n >= 1: (m, n)."""
-    return (c.shape[1] - 1) * np.diff(c, axis=1)
+    out: Floats = (c.shape[1] - 1) * np.diff(c, axis=1)
+    return out
 
 
 def value(c: Floats, s: Floats) -> Floats:
