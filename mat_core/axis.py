@@ -157,8 +157,8 @@ class Graph:
     source and target: it alone has no direction the order could give it. A closed segment without a node is listed last, and is
     no part of the order.
 
-    "Acyclic" is said of the directed graph alone, loops at one node left aside. The undirected one has a cycle for every hole: `cycles` is its rank,
-    segments - nodes + components.
+    "Acyclic" is said of the directed graph alone, loops at one node left aside. The undirected one has a cycle for every hole:
+    `cycles` is its rank, segments - nodes + components.
 
     Attributes
     ----------

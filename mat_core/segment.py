@@ -235,7 +235,8 @@ class Segment:
             (n,); a scalar array for a single t.
         """
         at = np.asarray(t, dtype=float)
-        return self._direction(at.reshape(-1))[:, 2].reshape(at.shape)
+        out: Floats = self._direction(at.reshape(-1))[:, 2].reshape(at.shape)
+        return out
 
     def _direction(self, t: Floats) -> Floats:
         """(n, 3) unit tangents and dr/ds.
