@@ -107,7 +107,7 @@ def to_networkx(axis: MedialAxis) -> networkx.MultiDiGraph[Any]:
     networkx.MultiDiGraph
         Nodes are ids of nodes with ``kind``, ``x``, ``y``, ``r``, added in topological order; edges have the id of their segment
         as key, and ``segment``, ``kind``, ``length``, ``min_radius``, ``max_radius``. A closed segment without a node is a loop
-        at a node of its own, named ``seam-<segment>``, of kind ``seam``, where t = 0. The graph has ``components`` and ``cycles``.
+        at a node of its own, named ``seam-<segment>``, of kind ``seam``, where t = 0. The graph has ``components``, ``cycles``.
 
     Raises
     ------

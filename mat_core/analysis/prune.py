@@ -8,8 +8,8 @@ scale         the scale axis (J. Giesen, B. Miklos, M. Pauly, C. Wormser, "The s
               (the disc k up the graph with the largest s r_k - |c - c_k|). Every disc that goes is covered; one that only some
               disc inside a third segment covers stays, and so does what topology needs.
 angle         from a tip inwards to the first disc whose two footpoints stand at least `angle` apart (the object angle; 180
-              degrees less the angle of a corner), small where noise on the boundary makes branches (D. Attali and A. Montanvert, 1996);
-              or from where the radius falls inwards: a round end is no noise, however narrow the way to it.
+              degrees less the angle of a corner), small where noise on the boundary makes branches (D. Attali and A. Montanvert,
+              1996); or from where the radius falls inwards: a round end is no noise, however narrow the way to it.
 radius_ratio  whole branches whose reach beyond their root's disc is small: (length + radius at the tip) / radius at the root,
               which is 1 for a branch that adds nothing and sqrt 2 into a square corner; the least first.
 length        whole branches shorter than a length, the shortest first. Equal ones are cut together.
