@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
+from mat_core import MedialAxis
 from mat_core.analysis import inscribed_disc, inscribed_discs
 from mat_core.analysis.inscribed import find_tops, terrain
 from mat_core.analysis.places import radius_noise
@@ -42,11 +43,12 @@ def test_outlines_against_shapely(index: int) -> None:
     _against_shapely(outline(index))
 
 
-def _against_shapely(axis: object) -> None:
-    area = polygon(axis)  # type: ignore[arg-type]
-    size = axis.domain.size  # type: ignore[attr-defined]
-    disc = inscribed_disc(axis)  # type: ignore[arg-type]
-    assert shapely.length(shapely.maximum_inscribed_circle(area, tolerance=1e-5 * size)) == pytest.approx(disc.radius, abs=3e-5 * size)
+def _against_shapely(axis: MedialAxis) -> None:
+    area = polygon(axis)
+    size = axis.domain.size
+    disc = inscribed_disc(axis)
+    radius = shapely.length(shapely.maximum_inscribed_circle(area, tolerance=1e-5 * size))
+    assert radius == pytest.approx(disc.radius, abs=3e-5 * size)
     assert area.exterior.distance(shapely.Point(disc.point)) >= disc.radius - 1e-4 * size
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,8 @@ from tests.families import CATALOGUE, polyline, rectangle
 from tests.transforms import restarted, reversed_loops, rotated
 
 RULES: list[dict[str, float]] = [
-    {"angle": math.radians(100.0)}, {"angle": math.pi}, {"radius_ratio": 1.3}, {"scale": 1.2}, {"scale": 2.0}, {"length": math.inf},
+    {"angle": math.radians(100.0)}, {"angle": math.pi}, {"radius_ratio": 1.3}, {"scale": 1.2}, {"scale": 2.0},
+    {"length": math.inf},
     {"scale": 1.1, "angle": 1.0, "radius_ratio": 1.1, "length": 0.1},
 ]
 
@@ -40,7 +42,7 @@ def check(axis: MedialAxis, pruned: PrunedAxis) -> None:
         own = sorted((t0, t1) for g, t0, t1 in everything if g == segment.id)
         assert own[0][0] == 0.0
         assert own[-1][1] == 1.0
-        assert all(a[1] == b[0] for a, b in zip(own[:-1], own[1:], strict=True))
+        assert all(a[1] == b[0] for a, b in pairwise(own))
     parent = list(range(len(pruned.nodes)))
 
     def root(v: int) -> int:
@@ -163,7 +165,7 @@ def test_more_scale_cuts_more() -> None:
     for axis in all_axes()[::2]:
         total = [sum(c.length for c in prune(axis, scale=s).cuts) for s in (1.0, 1.1, 1.3, 1.8, 3.0)]
         assert total[0] == 0.0
-        assert all(a <= b + 1e-9 for a, b in zip(total[:-1], total[1:], strict=True))
+        assert all(a <= b + 1e-9 for a, b in pairwise(total))
 
 
 @pytest.mark.parametrize("rule", RULES, ids=str)
