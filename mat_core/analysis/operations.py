@@ -1,0 +1,67 @@
+"""The table of operations on an axis: by name, with the rules of their arguments; what the service routes are made from.
+
+An entry is all that a new operation needs here. Arguments go to the function by their own names.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from mat_core.analysis.arguments import Argument, number, point_list, truth_value
+from mat_core.analysis.inscribed import inscribed_discs
+from mat_core.analysis.offset import TOLERANCE_RANGE, Offset, offset
+from mat_core.model.curve import RationalBSpline
+
+
+class Result(Protocol):
+    """What an operation gives."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain dicts, lists and numbers."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """An operation on an axis.
+
+    Attributes
+    ----------
+    name : str
+        Its address in the service, below /v1.
+    call : callable
+        The function: an axis and keyword arguments in, a `Result` out.
+    arguments : mapping
+        The rules of its arguments by name.
+    loops : callable or None
+        The closed loops of curves in a result, where it can be drawn.
+    """
+
+    name: str
+    call: Callable[..., Result]
+    arguments: Mapping[str, Argument] = field(default_factory=dict)
+    loops: Callable[[Any], list[list[RationalBSpline]]] | None = None
+
+
+def _offset_loops(result: Offset) -> list[list[RationalBSpline]]:
+    return [[edge.curve for edge in loop.edges] for loop in result.loops]
+
+
+OPERATIONS = {
+    operation.name: operation
+    for operation in (
+        Operation(
+            "offset",
+            offset,
+            {
+                "distance": number(other_than=0.0, required=True, unit="a length in the caller's unit, inward if positive"),
+                "tolerance": number(*TOLERANCE_RANGE),
+            },
+            _offset_loops,
+        ),
+        Operation("inscribed-disc", inscribed_discs, {"prominence": number(0.0)}),
+    )
+}

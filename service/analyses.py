@@ -1,0 +1,167 @@
+"""The documents of the analyses: a domain with arguments in, a result with what it was found from out.
+
+As in `service.schemas` the models describe shapes; faults are found and told by the library, in the worker.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field, FiniteFloat
+
+from service.schemas import (
+    Answer,
+    Certificate,
+    Count,
+    DomainFigures,
+    DomainRequest,
+    Edge,
+    Footpoint,
+    Loop,
+    Point,
+    Request,
+    Versions,
+)
+
+LARGEST = 1e100
+Length = Annotated[FiniteFloat, Field(ge=0, description="in the caller's unit")]
+Coordinate = Annotated[FiniteFloat, Field(ge=-LARGEST, le=LARGEST)]
+
+
+class AnalysisRequest(DomainRequest):
+    """A domain and the arguments of an operation on its axis; `options` are those of the axis, `samples` has no effect."""
+
+
+class AnalysisAnswer(Answer):
+    """What every analysis answers around its result: the axis it was found from, and what was asked."""
+
+    operation: str
+    arguments: Annotated[dict[str, Any], Field(description="those that were given, as they were understood")]
+    certificate: Certificate
+    domain: DomainFigures
+    version: Versions
+
+
+class AxisDisc(Answer):
+    """A maximal disc and where on the axis it sits: at a node, or at t of a segment."""
+
+    point: Point
+    radius: Length
+    node: Count | None
+    segment: Count | None
+    t: FiniteFloat | None
+    footpoints: list[Footpoint]
+
+
+# offset --------------------------------------------------------------------------------------------------------------
+
+
+class OffsetArguments(Request):
+    """How far."""
+
+    distance: Annotated[
+        FiniteFloat,
+        Field(ge=-LARGEST, le=LARGEST, json_schema_extra={"not": {"const": 0}},
+              description="in the caller's unit, positive inward, negative outward, not 0"),
+    ]  # fmt: skip
+    tolerance: Annotated[
+        float, Field(ge=1e-13, le=0.1, description="of fitted edges, relative; that of the axis if left out")
+    ] | None = None
+
+
+class OffsetRequest(AnalysisRequest):
+    """A domain to be offset."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", title="OffsetRequest")
+
+    arguments: OffsetArguments
+
+
+class Source(Answer):
+    """What an edge of an offset is parallel to: a stretch of an edge of the domain, or a vertex with a range of normals."""
+
+    loop: Count
+    edge: Count
+    u0: FiniteFloat
+    u1: FiniteFloat
+    angles: list[FiniteFloat] | None = None
+
+
+class OffsetEdge(Answer):
+    """What is known of an edge of a region."""
+
+    kind: Literal["line", "arc", "spline"]
+    source: Source
+    max_error: Length
+
+
+class OffsetEdges(Answer):
+    """The edges of a region, in the order of its loops."""
+
+    outer: list[OffsetEdge]
+    holes: list[list[OffsetEdge]]
+
+
+class Region(Answer):
+    """A domain: one outer loop, counter-clockwise, and its holes, clockwise."""
+
+    outer: Loop
+    holes: list[Loop]
+
+
+class OffsetResult(Answer):
+    """Regions at a distance from the boundary; none where no point is so far from it."""
+
+    distance: FiniteFloat
+    area: Length
+    perimeter: Length
+    max_error: Length
+    regions: list[Region]
+    edges: list[OffsetEdges]
+
+
+class OffsetAnswer(AnalysisAnswer):
+    """The offset of a domain."""
+
+    operation: Literal["offset"]
+    result: OffsetResult
+
+
+# inscribed-disc ------------------------------------------------------------------------------------------------------
+
+
+class InscribedDiscArguments(Request):
+    """Which parts count."""
+
+    prominence: Annotated[
+        FiniteFloat, Field(ge=0, le=LARGEST, description="by how much a part's disc must be wider than its neck, in radius")
+    ] | None = None
+
+
+class InscribedDiscRequest(AnalysisRequest):
+    """A domain whose largest discs are asked for."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", title="InscribedDiscRequest")
+
+    arguments: InscribedDiscArguments | None = None
+
+
+class Part(Answer):
+    """A part of the domain by its largest disc, and the neck that leads to a larger one."""
+
+    disc: AxisDisc
+    neck: AxisDisc | None
+    prominence: Length
+
+
+class InscribedDiscResult(Answer):
+    """The parts of the domain; the first one has the largest disc of all."""
+
+    parts: Annotated[list[Part], Field(min_length=1)]
+
+
+class InscribedDiscAnswer(AnalysisAnswer):
+    """The largest disc, and the largest of each part."""
+
+    operation: Literal["inscribed-disc"]
+    result: InscribedDiscResult

@@ -1,0 +1,71 @@
+"""What the service answers: one entry for each POST below /v1, with its documents and its formats.
+
+The web process reads this table and never the library's own (`mat_core.analysis.operations`, for the workers); tests hold
+the two to each other, and routes and OpenAPI document are made from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydantic import BaseModel
+
+from service import analyses, schemas
+from service.negotiation import FORMATS, Format
+
+JSON_ONLY: tuple[Format, ...] = ("json",)
+DRAWN: tuple[Format, ...] = ("json", "svg", "dxf")
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """One route.
+
+    Attributes
+    ----------
+    name : str
+        Its address below /v1; the workers know it by the same name.
+    summary, description : str
+        For people, in the OpenAPI document.
+    request, answer : type of pydantic.BaseModel
+        The body, and the JSON that answers it.
+    formats : tuple of str
+        What it can be answered in, best first.
+    """
+
+    name: str
+    summary: str
+    description: str
+    request: type[BaseModel]
+    answer: type[BaseModel]
+    formats: tuple[Format, ...] = JSON_ONLY
+
+
+OPERATIONS = {
+    operation.name: operation
+    for operation in (
+        Operation(
+            "mat",
+            "Solve a domain",
+            "The certified medial axis transform of a planar domain bounded by rational B-splines.",
+            schemas.DomainRequest,
+            schemas.MatAnswer,
+            tuple(FORMATS),
+        ),
+        Operation(
+            "offset",
+            "Offset a domain",
+            "Everything at a distance from the boundary: closed loops, trimmed by the axis; each region is a domain again.",
+            analyses.OffsetRequest,
+            analyses.OffsetAnswer,
+            DRAWN,
+        ),
+        Operation(
+            "inscribed-disc",
+            "The largest disc",
+            "The largest disc inside the domain, and the largest in each of its parts, which are what necks separate.",
+            analyses.InscribedDiscRequest,
+            analyses.InscribedDiscAnswer,
+        ),
+    )
+}
