@@ -12,12 +12,13 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.layout import EDGE, FAN, KIND, LOOP
 from mat_core.kernels.nurbs import spline_points
 from mat_core.model.domain import Domain
+from mat_core.segment import LENGTH_NODES, SEGMENT_KINDS, Segment
 from mat_core.topology.graph import NODE_KINDS, AxisGraph
 from mat_core.topology.skeleton import Skeleton
 from mat_core.tracing.locate import feet, locate
@@ -26,10 +27,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Point = tuple[float, float]
 
-SEGMENT_KINDS = ("line", "parabola", "hyperbola", "ellipse", "freeform")
+__all__ = ["SEGMENT_KINDS", "CurveTable", "Footpoint", "Graph", "MedialAxis", "Node", "Samples", "Segment"]
+
 SAMPLES = 17  # points sampled on a segment when no step is asked for
 NOTEBOOK_WIDTH = 480  # pixels
-LENGTH_NODES = 12  # Gauss points for the length of one piece
 
 
 class CurveTable(NamedTuple):
@@ -139,146 +140,24 @@ class Samples(NamedTuple):
     right_angle: Floats
 
 
-@dataclass(frozen=True, repr=False, eq=False)
-class Segment:
-    """One curve of the axis between two nodes, with its radius: a rational B-spline in (x, y, r) over t in [0, 1].
-
-    Attributes
-    ----------
-    axis : MedialAxis
-        Where it belongs.
-    id : int
-        Its index in `MedialAxis.segments`.
-    """
-
-    axis: MedialAxis
-    id: int
-
-    def _node(self, ends: Ints) -> int | None:
-        node = int(ends[self.id])
-        return node if node >= 0 else None
-
-    @property
-    def start_node(self) -> int | None:
-        """Id of the node at t = 0; None for a closed segment without a node."""
-        return self._node(self.axis.runs.start_node)
-
-    @property
-    def end_node(self) -> int | None:
-        """Id of the node at t = 1; None for a closed segment without a node."""
-        return self._node(self.axis.runs.end_node)
-
-    @property
-    def kind(self) -> str:
-        """``line``, ``parabola``, ``hyperbola`` or ``ellipse`` when all of it is exactly that, else ``freeform``."""
-        return SEGMENT_KINDS[self.axis.curves.kind[self.id]]
-
-    @property
-    def degree(self) -> int:
-        """Degree of the spline."""
-        return int(self.axis.curves.degree[self.id])
-
-    @property
-    def knots(self) -> Floats:
-        """Clamped knots from 0 to 1, (n + degree + 1,)."""
-        c = self.axis.curves
-        return c.knots[c.knot_start[self.id] : c.knot_start[self.id + 1]]
-
-    @property
-    def _rows(self) -> slice:
-        c = self.axis.curves
-        return slice(int(c.cp_start[self.id]), int(c.cp_start[self.id + 1]))
-
-    @property
-    def control_points(self) -> Floats:
-        """(n, 2) points x, y."""
-        return self.axis.control_discs[self._rows, :2]
-
-    @property
-    def control_values(self) -> Floats:
-        """(n,) radii at the control points."""
-        return self.axis.control_discs[self._rows, 2]
-
-    @property
-    def weights(self) -> Floats:
-        """(n,) weights, all 1 on a polynomial curve."""
-        return self.axis.curves.cp[self._rows, 3]
-
-    @property
-    def max_error(self) -> float:
-        """Largest distance from the true axis in (x, y, r), measured."""
-        return float(self.axis.curves.max_error[self.id] / self.axis.table.scale)
-
-    @property
-    def pieces(self) -> tuple[tuple[float, float, str], ...]:
-        """(t0, t1, kind) of every piece between two joints of the boundary."""
-        c = self.axis.curves
-        rows = range(int(c.part_start[self.id]), int(c.part_start[self.id + 1]))
-        return tuple((float(c.part_f[p, 0]), float(c.part_f[p, 1]), SEGMENT_KINDS[c.part_i[p, 3]]) for p in rows)
-
-    def evaluate(self, t: ArrayLike, derivative: bool = False) -> Floats:
-        """Centres and radii of discs.
-
-        Parameters
-        ----------
-        t : array_like
-            Parameters in [0, 1]; those outside are moved to the nearer end.
-        derivative : bool
-            Give the derivatives by t instead.
-
-        Returns
-        -------
-        ndarray
-            (n, 3) rows x, y, r; (3,) for a single t.
-        """
-        at = np.asarray(t, dtype=float)
-        flat = self.axis.evaluate(np.full(at.size, self.id), at.reshape(-1))
-        out = flat[:, 3:] if derivative else flat[:, :3]
-        return out.reshape(*at.shape, 3)
-
-    def samples(self, t: ArrayLike) -> Samples:
-        """True axis points beside the curve's points at t, with both footpoints.
-
-        Parameters
-        ----------
-        t : array_like
-            (n,) parameters in [0, 1].
-
-        Returns
-        -------
-        Samples
-        """
-        at = np.atleast_1d(np.asarray(t, dtype=float))
-        return self.axis.sample(np.full(at.size, self.id), at)
-
-    def footpoints(self, t: float) -> tuple[Footpoint, Footpoint]:
-        """Left and right footpoint, as seen in the direction of increasing t, of the disc at t in [0, 1]."""
-        s = self.samples(t)
-        return (
-            self.axis.footpoint(int(s.left_site[0]), s.left_u[0], s.left[0], s.left_angle[0]),
-            self.axis.footpoint(int(s.right_site[0]), s.right_u[0], s.right[0], s.right_angle[0]),
-        )
-
-    @property
-    def length(self) -> float:
-        """Length of the curve of centres."""
-        return float(self.axis.lengths[self.id])
-
-    def __repr__(self) -> str:
-        ends = "closed" if self.start_node is None else f"{self.start_node} -> {self.end_node}"
-        return f"<Segment {self.id}: {ends}, {self.kind}, degree {self.degree}, {len(self.pieces)} pieces>"
-
-
 @dataclass(frozen=True)
 class Graph:
-    """How nodes and segments hang together.
+    """How nodes and segments hang together: the directed graph of the paper's section 6.
+
+    A depth-first walk lists nodes and segments as it meets them, and directs every segment from the node met first to the one
+    met later: so node ids are a topological order, and the directed graph has no cycle. It starts at a convex vertex. Where
+    the domain has none it starts at a curvature centre, without one at an arc centre, else (a ring with spokes of reflex
+    vertices, say) at any branch point. A closed segment without a node is listed last, and is no part of the order.
+
+    "Acyclic" is said of the directed graph alone. The undirected one has a cycle for every hole: `cycles` is its rank,
+    segments - nodes + components.
 
     Attributes
     ----------
     edges : tuple of (int, int or None, int or None)
         (segment, source node, target node).
     topological_order : tuple of int
-        Nodes, sources before targets; starts at a convex vertex where there is one.
+        Nodes, sources before targets, the node where the walk started first.
     components, cycles : int
         Of the undirected graph; closed segments count as one component with one cycle.
     """

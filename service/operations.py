@@ -6,7 +6,8 @@ the two to each other, and routes and OpenAPI document are made from it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 from pydantic import BaseModel
 
@@ -31,6 +32,8 @@ class Operation:
         The body, and the JSON that answers it.
     formats : tuple of str
         What it can be answered in, best first.
+    example : dict
+        Arguments that go with any of the example domains.
     """
 
     name: str
@@ -39,6 +42,7 @@ class Operation:
     request: type[BaseModel]
     answer: type[BaseModel]
     formats: tuple[Format, ...] = JSON_ONLY
+    example: dict[str, Any] = field(default_factory=dict)
 
 
 OPERATIONS = {
@@ -59,6 +63,7 @@ OPERATIONS = {
             analyses.OffsetRequest,
             analyses.OffsetAnswer,
             DRAWN,
+            {"distance": 0.05},
         ),
         Operation(
             "inscribed-disc",
