@@ -5,6 +5,7 @@ As in `service.schemas` the models describe shapes; faults are found and told by
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, FiniteFloat
@@ -15,7 +16,6 @@ from service.schemas import (
     Count,
     DomainFigures,
     DomainRequest,
-    Edge,
     Footpoint,
     Loop,
     Point,
@@ -165,3 +165,67 @@ class InscribedDiscAnswer(AnalysisAnswer):
 
     operation: Literal["inscribed-disc"]
     result: InscribedDiscResult
+
+
+# width ---------------------------------------------------------------------------------------------------------------
+
+
+class WidthArguments(Request):
+    """What counts as a wall, and which walls are thin."""
+
+    limit: Annotated[
+        FiniteFloat, Field(ge=0, le=LARGEST, description="thickness; boundary on thinner walls is listed in thin")
+    ] | None = None
+    angle: Annotated[
+        float, Field(ge=0, le=math.pi, description="radians; a disc is wall where contacts are as far apart, seen from its centre")
+    ] | None = None
+
+
+class WidthRequest(AnalysisRequest):
+    """A domain whose thickness is asked for."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", title="WidthRequest")
+
+    arguments: WidthArguments | None = None
+
+
+class Thickness(Answer):
+    """The thickness at one place."""
+
+    thickness: Length
+    kind: Literal["neck", "taper"]
+    disc: AxisDisc
+
+
+class Wall(Answer):
+    """A stretch of a segment whose discs are wall."""
+
+    segment: Count
+    t: Annotated[list[FiniteFloat], Field(min_length=2, max_length=2)]
+    least: Length
+    largest: Length
+
+
+class BoundaryInterval(Answer):
+    """A stretch of an edge of the domain."""
+
+    loop: Count
+    edge: Count
+
+
+class WidthResult(Answer):
+    """The thinnest wall (null if there is none), local minima, all walls, and with a limit the boundary on thinner ones."""
+
+    minimum: Thickness | None
+    necks: list[Thickness]
+    walls: list[Wall]
+    thin: list[BoundaryInterval] | None
+    angle: FiniteFloat
+    limit: FiniteFloat | None
+
+
+class WidthAnswer(AnalysisAnswer):
+    """How thick the domain is along its axis."""
+
+    operation: Literal["width"]
+    result: WidthResult

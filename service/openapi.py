@@ -98,11 +98,11 @@ def build(app: FastAPI) -> Json:
 
 
 def _request_content(operation: Operation) -> Json:
-    """The schema of a body, and the committed examples with the arguments of the operation."""
+    """The schema of a body, and the committed examples; an analysis shows one of them, with arguments."""
     examples = {}
-    for path in sorted(EXAMPLES.glob("*.json")):
+    for path in sorted(EXAMPLES.glob(f"{operation.example or '*'}.json")):
         domain = json.loads(path.read_text())
-        value = {**domain, "arguments": operation.example} if operation.example else domain
+        value = {**domain, "arguments": operation.arguments} if operation.arguments else domain
         examples[path.stem] = {"summary": domain["name"], "value": value}
     return {"schema": _reference(operation.request.__name__)} | ({"examples": examples} if examples else {})
 

@@ -32,8 +32,10 @@ class Operation:
         The body, and the JSON that answers it.
     formats : tuple of str
         What it can be answered in, best first.
-    example : dict
-        Arguments that go with any of the example domains.
+    example : str
+        The committed example that is shown with the route; all of them where empty.
+    arguments : dict
+        Arguments that go with that example.
     """
 
     name: str
@@ -42,7 +44,8 @@ class Operation:
     request: type[BaseModel]
     answer: type[BaseModel]
     formats: tuple[Format, ...] = JSON_ONLY
-    example: dict[str, Any] = field(default_factory=dict)
+    example: str = "plate"
+    arguments: dict[str, Any] = field(default_factory=dict)
 
 
 OPERATIONS = {
@@ -55,6 +58,7 @@ OPERATIONS = {
             schemas.DomainRequest,
             schemas.MatAnswer,
             tuple(FORMATS),
+            example="",
         ),
         Operation(
             "offset",
@@ -63,7 +67,7 @@ OPERATIONS = {
             analyses.OffsetRequest,
             analyses.OffsetAnswer,
             DRAWN,
-            {"distance": 0.05},
+            arguments={"distance": 0.25},
         ),
         Operation(
             "inscribed-disc",
@@ -71,6 +75,14 @@ OPERATIONS = {
             "The largest disc inside the domain, and the largest in each of its parts, which are what necks separate.",
             analyses.InscribedDiscRequest,
             analyses.InscribedDiscAnswer,
+        ),
+        Operation(
+            "width",
+            "Wall thickness",
+            "How thick the domain is along its axis: the thinnest wall, all necks, and the boundary on walls under a limit.",
+            analyses.WidthRequest,
+            analyses.WidthAnswer,
+            arguments={"limit": 1.2},
         ),
     )
 }
