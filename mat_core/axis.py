@@ -94,6 +94,13 @@ class Footpoint:
     point: Point
     angle: float | None = None
 
+    def to_dict(self) -> dict[str, Any]:
+        """As in the answer document; with the angle on a reflex vertex only."""
+        entry: dict[str, Any] = {"loop": self.loop, "edge": self.edge, "u": self.u, "point": list(self.point)}
+        if self.angle is not None:
+            entry["angle"] = self.angle
+        return entry
+
 
 @dataclass(frozen=True, slots=True)
 class Node:

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.analysis.bernstein import derivative, product, sign_changes
+from mat_core.analysis.intervals import Intervals, joined
 from mat_core.analysis.spans import cut_spans
 from mat_core.axis import MedialAxis
 
@@ -54,13 +55,6 @@ class RadiusExtremes(NamedTuple):
     t: Floats
     radius: Floats
     kind: Ints
-
-
-class RadiusIntervals(NamedTuple):
-    """Stretches of segments, in order of segment and t: segment (m,) and t (m, 2), begin and end."""
-
-    segment: Ints
-    t: Floats
 
 
 def radius_arcs(axis: MedialAxis) -> RadiusArcs:
@@ -171,7 +165,7 @@ def solve_radius(axis: MedialAxis, value: float, arcs: RadiusArcs | None = None)
 
 def radius_intervals(
     axis: MedialAxis, low: float = 0.0, high: float = math.inf, arcs: RadiusArcs | None = None
-) -> RadiusIntervals:
+) -> Intervals:
     """The stretches of segments where low <= r <= high.
 
     Parameters
@@ -184,7 +178,7 @@ def radius_intervals(
 
     Returns
     -------
-    RadiusIntervals
+    Intervals
         As long as can be: no two of one segment share an end, but for the seam of a closed one. Single places where the
         radius only touches a bound have no length and are left out.
     """
@@ -199,11 +193,7 @@ def radius_intervals(
             t[rows, end] = _on_arcs(axis, a, kept[rows], np.full(len(rows), bound))
     long = t[:, 1] > t[:, 0]
     segment, t = a.segment[kept[long]], t[long]
-    joined = np.zeros(len(t), dtype=bool)
-    joined[1:] = (segment[1:] == segment[:-1]) & (t[1:, 0] == t[:-1, 1])
-    first = np.nonzero(~joined)[0]
-    last = np.append(first[1:], len(t)) - 1 if len(t) else first
-    return RadiusIntervals(segment[first], np.column_stack((t[first, 0], t[last, 1])))
+    return joined(segment, t)
 
 
 def _on_arcs(axis: MedialAxis, a: RadiusArcs, rows: Ints, value: Floats) -> Floats:

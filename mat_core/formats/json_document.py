@@ -15,7 +15,7 @@ import numpy as np
 from mat_core.kernels.layout import EDGE, FAN, KIND, LOOP
 
 if TYPE_CHECKING:
-    from mat_core.axis import Footpoint, MedialAxis, Samples
+    from mat_core.axis import MedialAxis, Samples
 
 HAS_ORJSON = importlib.util.find_spec("orjson") is not None
 
@@ -146,13 +146,6 @@ def _side(axis: MedialAxis, site: Any, u: Any, angle: Any) -> list[dict[str, Any
     return listed
 
 
-def _footpoint(foot: Footpoint) -> dict[str, Any]:
-    entry: dict[str, Any] = {"loop": foot.loop, "edge": foot.edge, "u": foot.u, "point": list(foot.point)}
-    if foot.angle is not None:
-        entry["angle"] = foot.angle
-    return entry
-
-
 def _graph(axis: MedialAxis) -> dict[str, Any]:
     graph = axis.graph
     return {
@@ -162,7 +155,7 @@ def _graph(axis: MedialAxis) -> dict[str, Any]:
                 "kind": n.kind,
                 "point": list(n.point),
                 "radius": n.radius,
-                "footpoints": [_footpoint(f) for f in n.footpoints],
+                "footpoints": [f.to_dict() for f in n.footpoints],
             }
             for n in axis.nodes
         ],
