@@ -25,6 +25,7 @@ from service.schemas import (
 
 LARGEST = 1e100
 Length = Annotated[FiniteFloat, Field(ge=0, description="in the caller's unit")]
+Range = Annotated[list[FiniteFloat], Field(min_length=2, max_length=2, description="first and last value")]
 Coordinate = Annotated[FiniteFloat, Field(ge=-LARGEST, le=LARGEST)]
 
 
@@ -201,16 +202,17 @@ class Wall(Answer):
     """A stretch of a segment whose discs are wall."""
 
     segment: Count
-    t: Annotated[list[FiniteFloat], Field(min_length=2, max_length=2)]
+    t: Range
     least: Length
     largest: Length
 
 
 class BoundaryInterval(Answer):
-    """A stretch of an edge of the domain."""
+    """A stretch of an edge of the domain, u in its own knots; a reflex vertex that is touched alone has no length."""
 
     loop: Count
     edge: Count
+    u: Range
 
 
 class WidthResult(Answer):
@@ -219,7 +221,7 @@ class WidthResult(Answer):
     minimum: Thickness | None
     necks: list[Thickness]
     walls: list[Wall]
-    thin: list[BoundaryInterval] | None
+    thin: Annotated[list[BoundaryInterval] | None, Field(description="null without a limit")]
     angle: FiniteFloat
     limit: FiniteFloat | None
 
@@ -229,3 +231,42 @@ class WidthAnswer(AnalysisAnswer):
 
     operation: Literal["width"]
     result: WidthResult
+
+
+# nearest -------------------------------------------------------------------------------------------------------------
+
+
+class NearestArguments(Request):
+    """Whose nearest places are asked for."""
+
+    points: Annotated[
+        list[Annotated[list[Coordinate], Field(min_length=2, max_length=2)]],
+        Field(min_length=1, max_length=100_000, description="[x, y] each, anywhere"),
+    ]
+
+
+class NearestRequest(AnalysisRequest):
+    """A domain and points in the plane."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", title="NearestRequest")
+
+    arguments: NearestArguments
+
+
+class NearestResult(Answer):
+    """One entry a point: the nearest place of the axis, and its maximal disc."""
+
+    segment: Annotated[list[Count | None], Field(description="null where the axis is a single point")]
+    t: list[FiniteFloat]
+    node: Annotated[list[Count | None], Field(description="where the place is a node")]
+    distance: Annotated[list[Length], Field(description="from the point to the place")]
+    points: Annotated[list[Point], Field(description="the places: centres of discs")]
+    radii: list[Length]
+    inside: Annotated[list[bool], Field(description="whether the point lies in the domain")]
+
+
+class NearestAnswer(AnalysisAnswer):
+    """The nearest places of the axis to points."""
+
+    operation: Literal["nearest"]
+    result: NearestResult

@@ -84,5 +84,13 @@ OPERATIONS = {
             analyses.WidthAnswer,
             arguments={"limit": 1.2},
         ),
+        Operation(
+            "nearest",
+            "Nearest places of the axis",
+            "For each of many points: the nearest place of the axis, its segment and t, and the maximal disc there.",
+            analyses.NearestRequest,
+            analyses.NearestAnswer,
+            arguments={"points": [[1.0, 3.5], [4.5, 2.0]]},
+        ),
     )
 }

@@ -10,8 +10,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from mat_core.analysis.arguments import Argument, number
+from mat_core.analysis.arguments import Argument, number, point_list
 from mat_core.analysis.inscribed import inscribed_discs
+from mat_core.analysis.nearest import nearest
 from mat_core.analysis.offset import TOLERANCE_RANGE, Offset, offset
 from mat_core.analysis.width import width
 from mat_core.model.curve import RationalBSpline
@@ -65,5 +66,6 @@ OPERATIONS = {
         ),
         Operation("inscribed-disc", inscribed_discs, {"prominence": number(0.0)}),
         Operation("width", width, {"limit": number(0.0), "angle": number(0.0, math.pi, unit="radians")}),
+        Operation("nearest", nearest, {"points": point_list()}),
     )
 }
