@@ -34,7 +34,10 @@ class AnalysisRequest(DomainRequest):
 
 
 class AnalysisAnswer(Answer):
-    """What every analysis answers around its result: the axis it was found from, and what was asked."""
+    """What every analysis answers around its result: what was asked, and the axis it was found from.
+
+    Ids of segments and nodes are those of /v1/mat for the same domain and options.
+    """
 
     operation: str
     arguments: Annotated[dict[str, Any], Field(description="those that were given, as they were understood")]
@@ -178,7 +181,7 @@ class WidthArguments(Request):
         FiniteFloat, Field(ge=0, le=LARGEST, description="thickness; boundary on thinner walls is listed in thin")
     ] | None = None
     angle: Annotated[
-        float, Field(ge=0, le=math.pi, description="radians; a disc is wall where contacts are as far apart, seen from its centre")
+        float, Field(ge=0, le=math.pi, description="radians; a disc is wall where two contacts stand as far apart")
     ] | None = None
 
 

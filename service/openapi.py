@@ -13,6 +13,7 @@ from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
+from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
@@ -78,7 +79,7 @@ def build(app: FastAPI) -> Json:
     document = get_openapi(
         title=app.title, version=app.version, summary=SUMMARY, description=DESCRIPTION, routes=app.routes
     )
-    models = [(ProblemDocument, "serialization")]
+    models: list[tuple[type[BaseModel], str]] = [(ProblemDocument, "serialization")]
     for operation in OPERATIONS.values():
         models += [(operation.request, "validation"), (operation.answer, "serialization")]
     _, schemas = models_json_schema(models, ref_template="#/components/schemas/{model}")  # type: ignore[arg-type]

@@ -7,6 +7,7 @@ their results. Every failure becomes a code of `service.errors`; nothing is rais
 from __future__ import annotations
 
 import hashlib
+import importlib
 import inspect
 import json
 import logging
@@ -23,7 +24,7 @@ from mat_core.analysis.arguments import read_arguments
 from mat_core.analysis.operations import OPERATIONS, Operation, Result
 from mat_core.formats.dxf import to_dxf
 from mat_core.formats.json_document import about
-from mat_core.formats.svg import render_loops
+from mat_core.formats.svg import render_result
 from service import __version__
 from service.errors import RequestError
 
@@ -39,7 +40,7 @@ Answer = tuple[dict[str, Any], bytes]
 
 
 def preload(progress: Callable[[str, int, int], None]) -> dict[str, str]:
-    """Load every kernel before the first fork; say which versions these are.
+    """Load every kernel, and what draws, before the first fork; say which versions these are.
 
     The compiler leaves hundreds of megabytes behind, which every worker would share. So a process that ends right after it fills
     the cache first, and this one only loads from there (or compiles after all, if that process failed).
@@ -54,6 +55,7 @@ def preload(progress: Callable[[str, int, int], None]) -> dict[str, str]:
             os._exit(status)
     os.waitpid(compiler, 0)
     mat_core.warm()
+    importlib.import_module("ezdxf")  # 0.4 s that no first drawing of a worker should wait for
     return {"service": __version__, "algorithm": mat_core.__version__}
 
 
@@ -135,15 +137,14 @@ def _encode_axis(axis: mat_core.MedialAxis, form: str, samples: bool) -> bytes:
 def _encode_result(
     operation: Operation, axis: mat_core.MedialAxis, arguments: dict[str, Any], result: Result, form: str
 ) -> bytes:
-    """A result in one of the formats of its route: JSON, or its loops as a picture or a drawing."""
+    """A result in one of the formats of its route: JSON, or its curves as a picture or a drawing."""
     if form == "json":
         asked = {"operation": operation.name, "arguments": arguments}
         return _json({**asked, "result": result.to_dict(), **_versioned(about(axis))})
-    assert operation.loops is not None, "only results with loops are drawn"
-    loops = operation.loops(result)
-    if form == "dxf":
-        return to_dxf(axis, loops).encode()
-    return render_loops(axis, loops, title=operation.name).encode()
+    assert operation.paths is not None, "only what has curves is offered as a drawing"
+    paths = operation.paths(result)
+    draw = to_dxf if form == "dxf" else render_result
+    return draw(axis, paths, operation.name).encode()
 
 
 def _versioned(document: dict[str, Any]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ import numpy as np
 from mat_core.errors import Problem
 from mat_core.model.values import as_list, as_number, describe, pointer_to, short
 
-CODE = "invalid-argument"
+CODE = "invalid-request"  # of `mat_core.model.problems.CODES`
 AT = "/arguments"
 LARGEST = 1e100  # of lengths and coordinates: their squares are still numbers
 MOST_POINTS = 100_000

@@ -38,17 +38,17 @@ class Operation:
         The function: an axis and keyword arguments in, a `Result` out.
     arguments : mapping
         The rules of its arguments by name.
-    loops : callable or None
-        The closed loops of curves in a result, where it can be drawn.
+    paths : callable or None
+        The curves in a result, head to tail along each path, where it can be drawn.
     """
 
     name: str
     call: Callable[..., Result]
     arguments: Mapping[str, Argument] = field(default_factory=dict)
-    loops: Callable[[Any], list[list[RationalBSpline]]] | None = None
+    paths: Callable[[Any], list[list[RationalBSpline]]] | None = None
 
 
-def _offset_loops(result: Offset) -> list[list[RationalBSpline]]:
+def _loops(result: Offset) -> list[list[RationalBSpline]]:
     return [[edge.curve for edge in loop.edges] for loop in result.loops]
 
 
@@ -62,7 +62,7 @@ OPERATIONS = {
                 "distance": number(other_than=0.0, required=True, unit="a length in the caller's unit, inward if positive"),
                 "tolerance": number(*TOLERANCE_RANGE),
             },
-            _offset_loops,
+            _loops,
         ),
         Operation("inscribed-disc", inscribed_discs, {"prominence": number(0.0)}),
         Operation("width", width, {"limit": number(0.0), "angle": number(0.0, math.pi, unit="radians")}),

@@ -1,4 +1,4 @@
-"""A domain, its medial axis and offsets of it as a DXF drawing: lines, circular arcs, circles and rational splines.
+"""A domain, its medial axis and what was found from it as a DXF drawing: lines, circular arcs, circles and rational splines.
 
 Nothing is flattened. What is a line or a circular arc to rounding (`mat_core.formats.primitives`) is written as LINE, ARC or
 CIRCLE, everything else as the SPLINE that it is, with its clamped knots and its weights. Layers tell what is what:
@@ -6,7 +6,7 @@ CIRCLE, everything else as the SPLINE that it is, with its clamped knots and its
     boundary    edges of the domain
     axis        segments, the curves of centres
     nodes       one POINT for each node
-    offset      loops of the offsets that were handed in
+    offset      curves that were handed in; the caller may name the layer otherwise
 
 The drawing has no unit: its numbers are the caller's. Written by ezdxf (extra ``dxf``) as DXF R2000, the oldest version
 with splines, which every program reads; AutoCAD takes splines up to degree 11, other programs up to 25.
@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 
 VERSION = "R2000"
 UNITLESS = 0  # of $INSUNITS
-COLOURS = {"boundary": 7, "axis": 1, "nodes": 3, "offset": 5}  # layers, each with its AutoCAD colour index
+COLOURS = {"boundary": 7, "axis": 1, "nodes": 3}  # layers, each with its AutoCAD colour index
+RESULT_COLOUR = 5
 KNOT_TOLERANCE = 1e-15  # of their range: readers take knots nearer than this as one; ezdxf's default would round them
 NO_DATE = 2451544.5  # Julian date of 2000-01-01: one axis, one sequence of bytes
 NO_GUID = "{00000000-0000-0000-0000-000000000000}"
@@ -35,14 +36,16 @@ DATES = ("$TDCREATE", "$TDUCREATE", "$TDUPDATE", "$TDUUPDATE")
 GUIDS = ("$VERSIONGUID", "$FINGERPRINTGUID")
 
 
-def to_dxf(axis: MedialAxis, offsets: Iterable[Iterable[RationalBSpline]] = ()) -> str:
-    """A drawing of boundary, axis, nodes and offsets.
+def to_dxf(axis: MedialAxis, paths: Iterable[Iterable[RationalBSpline]] = (), layer: str = "offset") -> str:
+    """A drawing of boundary, axis, nodes and what was found from them.
 
     Parameters
     ----------
     axis : MedialAxis
-    offsets : iterable of loops
-        Loops of curves for the layer ``offset``.
+    paths : iterable of iterables of RationalBSpline
+        Further curves, such as the loops of an offset.
+    layer : str
+        Their layer.
 
     Returns
     -------
@@ -55,6 +58,7 @@ def to_dxf(axis: MedialAxis, offsets: Iterable[Iterable[RationalBSpline]] = ()) 
         ezdxf is not installed.
     """
     drawing = _new_drawing()
+    drawing.layers.add(layer, color=RESULT_COLOUR)
     space = drawing.modelspace()
     tolerance = rounding(axis.domain)
     arrays = axis.domain.arrays
@@ -64,8 +68,8 @@ def to_dxf(axis: MedialAxis, offsets: Iterable[Iterable[RationalBSpline]] = ()) 
     _draw(space, primitives(centres, tolerance), "axis")
     for node in axis.nodes:
         space.add_point(node.point, dxfattribs={"layer": "nodes"})
-    for curves in offsets:
-        _draw(space, primitives(curves, tolerance), "offset")
+    for curves in paths:
+        _draw(space, primitives(curves, tolerance), layer)
     return _text(drawing)
 
 

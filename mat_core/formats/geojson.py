@@ -3,7 +3,7 @@
 RFC 7946 in form: one FeatureCollection with the boundary as a Polygon (outer ring counter-clockwise, holes clockwise),
 segments as LineStrings and nodes as Points. Not in its coordinates: RFC 7946 means longitude and latitude, here they are
 the caller's own in the plane; the member ``coordinate_space`` says so. GeoJSON has no curves, so these are flattened:
-chords stray by at most ``flattening_tolerance``, the radii along them included.
+chords stray by at most ``flattening_tolerance``, the radii along them included; walls nearer than that may cross.
 """
 
 from __future__ import annotations

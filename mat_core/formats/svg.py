@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.formats.primitives import primitives, rounding
-from mat_core.formats.svg_paths import Frame, hermite, hull_box, loop_path, numbers
+from mat_core.formats.svg_paths import Frame, hermite, hull_box, numbers, path_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -33,6 +33,7 @@ DISCS = 12  # shown at most
 SMALLEST_DISC = 0.2  # of the largest one shown
 DISC_PIXELS = 4.0  # radius below which a disc is not worth showing
 APART = 0.85  # of the sum of their radii: how far apart the discs shown are
+MEETS = 1e-9  # of the size: ends as near as this are one
 THIN_PIXELS = 12.0  # largest radius below which strokes and dots grow thinner in proportion
 THINNEST = 0.4
 
@@ -44,11 +45,12 @@ _STYLE = """
 .boundary{{fill:none;stroke:#33343a;stroke-width:{boundary:.3g};stroke-linejoin:round;stroke-linecap:round}}
 .disc{{fill:#3a78b4;fill-opacity:.06;stroke:#3a78b4;stroke-opacity:.45;stroke-width:{disc:.3g}}}
 .axis{{fill:none;stroke-width:{axis:.3g};stroke-linejoin:round;stroke-linecap:round}}
-.offset{{fill:#3a78b4;fill-opacity:.08;fill-rule:evenodd;stroke:#3a78b4;stroke-width:{offset:.3g};stroke-linejoin:round}}
+.result{{fill:#3a78b4;fill-opacity:.08;fill-rule:evenodd;stroke:#3a78b4;stroke-width:{result:.3g};stroke-linejoin:round}}
+.open{{fill:none}}
 .node{{stroke:#fff;stroke-width:{disc:.3g}}}
 .branch,.point{{fill:#1d2a5b}}.convex_vertex{{fill:#f0793f}}.curvature_center{{fill:#c2185b}}.arc_center{{fill:#2a8c6c}}
 """
-_STROKES = {"boundary": 1.4, "disc": 0.8, "axis": 2.0, "offset": 1.4}  # pixels, where the domain is not thin
+_STROKES = {"boundary": 1.4, "disc": 0.8, "axis": 2.0, "result": 1.4}  # pixels, where the domain is not thin
 
 
 def render(axis: MedialAxis, width: int = 800) -> str:
@@ -83,34 +85,43 @@ def render(axis: MedialAxis, width: int = 800) -> str:
     )
 
 
-def render_loops(axis: MedialAxis, loops: Sequence[Iterable[RationalBSpline]], width: int = 800, title: str = "Offset") -> str:
-    """Draw loops of curves, such as those of an offset, with the boundary of the domain.
+def render_result(axis: MedialAxis, paths: Sequence[Iterable[RationalBSpline]], name: str = "offset", width: int = 800) -> str:
+    """Draw curves that were found from an axis, such as the loops of an offset, with the boundary of the domain.
 
     Parameters
     ----------
     axis : MedialAxis
-    loops : sequence of iterables of RationalBSpline
-        Closed, head to tail; they may lie outside of the domain.
+    paths : sequence of iterables of RationalBSpline
+        Each head to tail, closed or open; they may leave the domain. Closed ones are filled lightly.
+    name : str
+        What they are.
     width : int
         Of the picture's larger side, in pixels.
-    title : str
-        What the picture says it shows.
 
     Returns
     -------
     str
         An SVG document.
     """
-    drawn = [list(loop) for loop in loops]
-    frame = Frame(hull_box((curve for loop in drawn for curve in loop), axis.domain.bbox), width)
+    drawn = [curves for path in paths if (curves := list(path))]
+    frame = Frame(hull_box((curve for curves in drawn for curve in curves), axis.domain.bbox), width)
     outline = _outline(axis.domain, frame)
     tolerance = rounding(axis.domain)
-    shapes = (primitives(loop, tolerance) for loop in drawn)
-    inside = "".join(loop_path(shape, frame) for shape in shapes if shape)
-    parts = [f'<path class="fill" d="{outline}"/>', f'<path class="boundary" d="{outline}"/>']
-    if inside:
-        parts.insert(1, f'<path class="offset" d="{inside}"/>')
-    return _document(frame, title, _thinness(axis, frame), parts)
+    sorted_paths: dict[str, str] = {"result": "", "result open": ""}
+    for curves in drawn:
+        closed = is_closed(curves, axis.domain.size)
+        if shapes := primitives(curves, tolerance):
+            sorted_paths["result" if closed else "result open"] += path_of(shapes, frame, closed)
+    return _document(
+        frame,
+        f"{name}: {len(drawn)} {'path' if len(drawn) == 1 else 'paths'}",
+        _thinness(axis, frame),
+        [
+            f'<path class="fill" d="{outline}"/>',
+            *(f'<path class="{kind}" d="{path}"/>' for kind, path in sorted_paths.items() if path),
+            f'<path class="boundary" d="{outline}"/>',
+        ],
+    )
 
 
 def _document(frame: Frame, title: str, thin: float, parts: list[str]) -> str:
@@ -123,7 +134,13 @@ def _document(frame: Frame, title: str, thin: float, parts: list[str]) -> str:
 def _outline(domain: Domain, frame: Frame) -> str:
     """All loops of the domain as one path."""
     tolerance = rounding(domain)
-    return "".join(loop_path(primitives(loop, tolerance), frame) for loop in (domain.outer, *domain.holes))
+    return "".join(path_of(primitives(loop, tolerance), frame) for loop in (domain.outer, *domain.holes))
+
+
+def is_closed(curves: list[RationalBSpline], size: float) -> bool:
+    """Whether a path ends where it starts."""
+    gap = curves[-1].control_points[-1] - curves[0].control_points[0]
+    return bool(np.hypot(*gap) <= MEETS * size)
 
 
 def _thinness(axis: MedialAxis, frame: Frame) -> float:

@@ -52,11 +52,11 @@ def numbers(points: Floats) -> str:
     return " ".join(f"{v:.2f}".rstrip("0").rstrip(".") for v in points.reshape(-1).tolist())
 
 
-def loop_path(shapes: Iterable[Primitive], frame: Frame) -> str:
-    """One closed sub-path of shapes that run head to tail."""
+def path_of(shapes: Iterable[Primitive], frame: Frame, closed: bool = True) -> str:
+    """One sub-path of shapes that run head to tail."""
     listed = list(shapes)
     start = frame.points(np.array([_start(listed[0])]))
-    return f"M{numbers(start)}{''.join(_commands(shape, frame) for shape in listed)}Z"
+    return f"M{numbers(start)}{''.join(_commands(shape, frame) for shape in listed)}{'Z' if closed else ''}"
 
 
 def _start(shape: Primitive) -> tuple[float, float]:

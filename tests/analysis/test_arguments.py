@@ -66,7 +66,7 @@ def test_sound_arguments_come_through() -> None:
 def test_a_fault_is_named_with_its_place(name: str, value: Any, pointer: str) -> None:
     found, problems = read({**SOUND, name: value})
     assert pointer in [problem.pointer for problem in problems]
-    assert {problem.code for problem in problems} == {"invalid-argument"}
+    assert {problem.code for problem in problems} == {"invalid-request"}
     assert name not in found
     assert all(name.split("/")[0] in problem.message for problem in problems)
 

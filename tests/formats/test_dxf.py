@@ -115,11 +115,13 @@ def test_splines_keep_weights_and_clamped_knots_bit_for_bit() -> None:
     assert spline.dxf.degree == 2
 
 
-def test_loops_of_an_offset_have_their_layer() -> None:
+@pytest.mark.parametrize("layer", ["offset", "centerline"])
+def test_further_curves_have_their_layer(layer: str) -> None:
     axis = solved("rectangle")
     ring = [axis.domain.outer, solved("circle").domain.outer]
-    drawing = read(to_dxf(axis, ring))
-    assert Counter(entity.dxftype() for entity in on(drawing, "offset")) == {"LINE": 4, "CIRCLE": 1}
+    drawing = read(to_dxf(axis, ring, layer))
+    assert Counter(entity.dxftype() for entity in on(drawing, layer)) == {"LINE": 4, "CIRCLE": 1}
+    assert not drawing.audit().errors
 
 
 def test_one_axis_one_text() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from mat_core.formats.svg import render_loops
+from mat_core.formats.svg import render_result
 from tests.curves.shapes import solved
 from tests.formats.test_beziers import distances
 
@@ -158,12 +158,16 @@ def test_a_notebook_shows_the_picture() -> None:
     assert axis._repr_svg_() == axis.to_svg(480)
 
 
-def test_loops_are_drawn_even_outside_of_the_domain() -> None:
-    axis, ring = solved("rectangle"), solved("circle").domain.outer
-    root = ET.fromstring(render_loops(axis, [ring, axis.domain.outer], 640, "A < B"))
-    (loops,) = (p.get("d", "") for p in root.iterfind("svg:path", NS) if p.get("class") == "offset")
-    points = np.vstack([piece for run in traced(loops) for piece in run])
-    assert loops.count("M") == 2
+def test_paths_are_drawn_even_outside_of_the_domain() -> None:
+    """Closed ones are filled, open ones are not; none at all leaves the boundary."""
+    axis = solved("rectangle")
+    sides, ring = axis.domain.outer, solved("circle").domain.outer
+    root = ET.fromstring(render_result(axis, [ring, sides, sides[:2], []], "A < B", 640))
+    drawn = {p.get("class", ""): p.get("d", "") for p in root.iterfind("svg:path", NS)}
+    assert (drawn["result"].count("M"), drawn["result"].count("Z")) == (2, 2)
+    assert (drawn["result open"].count("M"), drawn["result open"].count("Z")) == (1, 0)
+    points = np.vstack([piece for d in drawn.values() for run in traced(d) for piece in run])
     assert points.min() >= 0
     assert (points.max(axis=0) <= (float(root.get("width", "0")), float(root.get("height", "0")))).all()
-    assert not any(p.get("class") == "offset" for p in ET.fromstring(render_loops(axis, [])).iterfind("svg:path", NS))
+    bare = ET.fromstring(render_result(axis, []))
+    assert {p.get("class") for p in bare.iterfind("svg:path", NS)} == {"fill", "boundary"}
