@@ -273,3 +273,57 @@ class NearestAnswer(AnalysisAnswer):
 
     operation: Literal["nearest"]
     result: NearestResult
+
+
+# centerline ----------------------------------------------------------------------------------------------------------
+
+
+class CenterlineArguments(Request):
+    """How far the path goes."""
+
+    extend: Annotated[
+        bool | None, Field(description="prolong ends at centres of curvature and of arcs straight on to the boundary")
+    ] = None
+
+
+class CenterlineRequest(AnalysisRequest):
+    """A domain whose longest path is asked for."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", title="CenterlineRequest")
+
+    arguments: CenterlineArguments | None = None
+
+
+class Step(Answer):
+    """A segment on the way, and whether it is travelled with its t."""
+
+    segment: Count
+    forward: bool
+
+
+class Extension(Answer):
+    """A straight prolongation from a leaf to the boundary."""
+
+    node: Count
+    start: Point
+    end: Point
+    length: Length
+
+
+class CenterlineResult(Answer):
+    """The longest path along the axis; with cycles, the longest of the shortest paths between nodes."""
+
+    path: list[Step]
+    nodes: list[Count]
+    length: Annotated[FiniteFloat, Field(ge=0, description="with the extensions")]
+    bound: Annotated[FiniteFloat, Field(ge=0, description="no such path is longer, extensions left aside")]
+    closed: bool
+    before: Extension | None
+    after: Extension | None
+
+
+class CenterlineAnswer(AnalysisAnswer):
+    """The longest path along the axis."""
+
+    operation: Literal["centerline"]
+    result: CenterlineResult

@@ -92,5 +92,15 @@ OPERATIONS = {
             analyses.NearestAnswer,
             arguments={"points": [[1.0, 3.5], [4.5, 2.0]]},
         ),
+        Operation(
+            "centerline",
+            "The longest path",
+            "The longest path along the axis, its ends prolonged to the boundary if asked; with cycles, the longest of the"
+            " shortest paths between nodes.",
+            analyses.CenterlineRequest,
+            analyses.CenterlineAnswer,
+            DRAWN,
+            arguments={"extend": True},
+        ),
     )
 }

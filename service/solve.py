@@ -143,8 +143,9 @@ def _encode_result(
         return _json({**asked, "result": result.to_dict(), **_versioned(about(axis))})
     assert operation.paths is not None, "only what has curves is offered as a drawing"
     paths = operation.paths(result)
-    draw = to_dxf if form == "dxf" else render_result
-    return draw(axis, paths, operation.name).encode()
+    if form == "dxf":
+        return to_dxf(axis, paths, operation.name).encode()
+    return render_result(axis, paths, operation.name, fill=operation.encloses).encode()
 
 
 def _versioned(document: dict[str, Any]) -> dict[str, Any]:

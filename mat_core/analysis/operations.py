@@ -10,11 +10,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from mat_core.analysis.arguments import Argument, number, point_list
+import numpy as np
+
+from mat_core.analysis.arguments import Argument, number, point_list, truth_value
+from mat_core.analysis.centerline import Centerline, centerline
 from mat_core.analysis.inscribed import inscribed_discs
 from mat_core.analysis.nearest import nearest
 from mat_core.analysis.offset import TOLERANCE_RANGE, Offset, offset
 from mat_core.analysis.width import width
+from mat_core.axis import Point
 from mat_core.model.curve import RationalBSpline
 
 
@@ -40,16 +44,38 @@ class Operation:
         The rules of its arguments by name.
     paths : callable or None
         The curves in a result, head to tail along each path, where it can be drawn.
+    encloses : bool
+        Whether these paths bound regions.
     """
 
     name: str
     call: Callable[..., Result]
     arguments: Mapping[str, Argument] = field(default_factory=dict)
     paths: Callable[[Any], list[list[RationalBSpline]]] | None = None
+    encloses: bool = False
 
 
 def _loops(result: Offset) -> list[list[RationalBSpline]]:
     return [[edge.curve for edge in loop.edges] for loop in result.loops]
+
+
+def _path(result: Centerline) -> list[list[RationalBSpline]]:
+    """The path with its extensions, from its start to its end."""
+    segments = (result.axis.segments[g] for g, _ in result.path)
+    curves = [RationalBSpline(s.degree, s.knots, s.control_points, s.weights) for s in segments]
+    turned = [c if forward else _reversed(c) for c, (_, forward) in zip(curves, result.path, strict=True)]
+    before = [_line(result.before.end, result.before.start)] if result.before else []
+    after = [_line(result.after.start, result.after.end)] if result.after else []
+    return [[*before, *turned, *after]]
+
+
+def _reversed(curve: RationalBSpline) -> RationalBSpline:
+    first, last = curve.domain
+    return RationalBSpline(curve.degree, (first + last - curve.knots)[::-1], curve.control_points[::-1], curve.weights[::-1])
+
+
+def _line(start: Point, end: Point) -> RationalBSpline:
+    return RationalBSpline(1, np.array([0.0, 0.0, 1.0, 1.0]), np.array([start, end]), np.ones(2))
 
 
 OPERATIONS = {
@@ -63,9 +89,11 @@ OPERATIONS = {
                 "tolerance": number(*TOLERANCE_RANGE),
             },
             _loops,
+            encloses=True,
         ),
         Operation("inscribed-disc", inscribed_discs, {"prominence": number(0.0)}),
         Operation("width", width, {"limit": number(0.0), "angle": number(0.0, math.pi, unit="radians")}),
+        Operation("centerline", centerline, {"extend": truth_value()}, _path),
         Operation("nearest", nearest, {"points": point_list()}),
     )
 }

@@ -112,3 +112,18 @@ def chain(pieces: Floats, tolerance: float) -> tuple[Floats, NDArray[np.int64]]:
     piece, where, vertices = (np.concatenate(column) for column in zip(*done, strict=True))
     order = np.lexsort((where, piece))
     return vertices[order], piece[order]
+
+
+def chains(stacks: list[Floats], tolerance: float) -> list[Floats]:
+    """`chain` for many curves at once: the vertices (n, k) of each, its last one included."""
+    of_degree: dict[int, list[int]] = {}
+    for i, pieces in enumerate(stacks):
+        of_degree.setdefault(pieces.shape[1], []).append(i)
+    found = list(stacks)
+    for members in of_degree.values():
+        vertices, piece = chain(np.concatenate([stacks[i] for i in members]), tolerance)
+        owner = np.repeat(np.arange(len(members)), [len(stacks[i]) for i in members])
+        bounds = np.searchsorted(owner[piece], np.arange(len(members) + 1)).tolist()
+        for first, last, i in zip(bounds[:-1], bounds[1:], members, strict=True):
+            found[i] = np.vstack((vertices[first:last], stacks[i][-1, -1:, :-1]))
+    return found

@@ -8,13 +8,14 @@ chords stray by at most ``flattening_tolerance``, the radii along them included;
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.errors import UnsupportedOption
-from mat_core.formats.beziers import chain, pieces_of
+from mat_core.formats.beziers import chains, pieces_of
 from mat_core.model.curve import RationalBSpline
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def to_geojson(axis: MedialAxis, tolerance: float = TOLERANCE) -> Json:
         "coordinate_space": SPACE,
         "flattening_tolerance": length,
         "bbox": [float(v) for v in axis.domain.bbox],
-        "features": [_boundary(axis, length), *(_segment(s, length) for s in axis.segments), *_nodes(axis)],
+        "features": [_boundary(axis, length), *_segments(axis, length), *_nodes(axis)],
     }
 
 
@@ -87,30 +88,31 @@ def _boundary(axis: MedialAxis, tolerance: float) -> Json:
 def _ring(edges: tuple[RationalBSpline, ...], tolerance: float) -> Floats:
     """A closed chain (n, 2), first vertex repeated; finer than asked where it would have no inside."""
     while True:
-        chains = [chain(pieces_of(edge), tolerance)[0] for edge in edges]
-        ring: Floats = np.vstack((*chains, edges[0].control_points[:1]))
+        found = chains([pieces_of(edge) for edge in edges], tolerance)
+        # without the ends of the edges, which may miss the next start by a rounding
+        ring = np.vstack((*(vertices[:-1] for vertices in found), found[0][:1]))
         distinct: Floats = ring[np.append(True, (np.diff(ring, axis=0) != 0.0).any(axis=1))]
         if len(distinct) >= RING_ENDS:
             return distinct
         tolerance *= 0.5
 
 
-def _segment(segment: Segment, tolerance: float) -> Json:
-    pieces = disc_pieces(segment)
-    discs, _ = chain(pieces, tolerance)
-    discs = np.vstack((discs, pieces[-1, -1, :3]))
-    return _feature(
-        "segment",
-        segment.id,
-        "LineString",
-        discs[:, :2].tolist(),
-        kind=segment.kind,
-        start_node=segment.start_node,
-        end_node=segment.end_node,
-        length=segment.length,
-        max_error=segment.max_error,
-        radii=discs[:, 2].tolist(),
-    )
+def _segments(axis: MedialAxis, tolerance: float) -> Iterator[Json]:
+    """A feature for each segment; all are flattened together."""
+    flattened = chains([disc_pieces(segment) for segment in axis.segments], tolerance)
+    for segment, discs in zip(axis.segments, flattened, strict=True):
+        yield _feature(
+            "segment",
+            segment.id,
+            "LineString",
+            discs[:, :2].tolist(),
+            kind=segment.kind,
+            start_node=segment.start_node,
+            end_node=segment.end_node,
+            length=segment.length,
+            max_error=segment.max_error,
+            radii=discs[:, 2].tolist(),
+        )
 
 
 def disc_pieces(segment: Segment) -> Floats:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.formats.beziers import chain, pieces_of
+from mat_core.formats.beziers import chains, pieces_of
 from mat_core.formats.geojson import disc_pieces
 from mat_core.formats.svg import colour_scale
 
@@ -100,11 +100,8 @@ def plot(
 def _rings(axis: MedialAxis) -> list[Floats]:
     """The loops as closed chains."""
     tolerance = CHORDS * axis.domain.size
-    rings = []
-    for loop in (axis.domain.outer, *axis.domain.holes):
-        chains = [chain(pieces_of(edge), tolerance)[0] for edge in loop]
-        rings.append(np.vstack((*chains, loop[0].control_points[:1])))
-    return rings
+    loops = (axis.domain.outer, *axis.domain.holes)
+    return [np.vstack(chains([pieces_of(edge) for edge in loop], tolerance)) for loop in loops]
 
 
 def _chords(axis: MedialAxis) -> tuple[list[Floats], Floats]:
@@ -112,9 +109,7 @@ def _chords(axis: MedialAxis) -> tuple[list[Floats], Floats]:
     size = axis.domain.size
     chords: list[Floats] = []
     radii: list[Floats] = []
-    for segment in axis.segments:
-        pieces = disc_pieces(segment)
-        discs = np.vstack((chain(pieces, CHORDS * size)[0], pieces[-1, -1, :3]))
+    for discs in chains([disc_pieces(segment) for segment in axis.segments], CHORDS * size):
         steps = np.hypot(*np.diff(discs[:, :2], axis=0).T)
         count = np.maximum(np.ceil(steps / (CHORD_LENGTH * size)), 1.0)
         at = np.concatenate(([0.0], np.cumsum(count)))

@@ -46,7 +46,7 @@ _STYLE = """
 .disc{{fill:#3a78b4;fill-opacity:.06;stroke:#3a78b4;stroke-opacity:.45;stroke-width:{disc:.3g}}}
 .axis{{fill:none;stroke-width:{axis:.3g};stroke-linejoin:round;stroke-linecap:round}}
 .result{{fill:#3a78b4;fill-opacity:.08;fill-rule:evenodd;stroke:#3a78b4;stroke-width:{result:.3g};stroke-linejoin:round}}
-.open{{fill:none}}
+.line{{fill:none}}
 .node{{stroke:#fff;stroke-width:{disc:.3g}}}
 .branch,.point{{fill:#1d2a5b}}.convex_vertex{{fill:#f0793f}}.curvature_center{{fill:#c2185b}}.arc_center{{fill:#2a8c6c}}
 """
@@ -85,18 +85,27 @@ def render(axis: MedialAxis, width: int = 800) -> str:
     )
 
 
-def render_result(axis: MedialAxis, paths: Sequence[Iterable[RationalBSpline]], name: str = "offset", width: int = 800) -> str:
+def render_result(
+    axis: MedialAxis,
+    paths: Sequence[Iterable[RationalBSpline]],
+    name: str = "offset",
+    width: int = 800,
+    *,
+    fill: bool = True,
+) -> str:
     """Draw curves that were found from an axis, such as the loops of an offset, with the boundary of the domain.
 
     Parameters
     ----------
     axis : MedialAxis
     paths : sequence of iterables of RationalBSpline
-        Each head to tail, closed or open; they may leave the domain. Closed ones are filled lightly.
+        Each head to tail, closed or open; they may leave the domain.
     name : str
         What they are.
     width : int
         Of the picture's larger side, in pixels.
+    fill : bool
+        Whether closed paths bound regions, which are then filled lightly.
 
     Returns
     -------
@@ -107,11 +116,11 @@ def render_result(axis: MedialAxis, paths: Sequence[Iterable[RationalBSpline]], 
     frame = Frame(hull_box((curve for curves in drawn for curve in curves), axis.domain.bbox), width)
     outline = _outline(axis.domain, frame)
     tolerance = rounding(axis.domain)
-    sorted_paths: dict[str, str] = {"result": "", "result open": ""}
+    sorted_paths: dict[str, str] = {"result": "", "result line": ""}
     for curves in drawn:
         closed = is_closed(curves, axis.domain.size)
         if shapes := primitives(curves, tolerance):
-            sorted_paths["result" if closed else "result open"] += path_of(shapes, frame, closed)
+            sorted_paths["result" if closed and fill else "result line"] += path_of(shapes, frame, closed)
     return _document(
         frame,
         f"{name}: {len(drawn)} {'path' if len(drawn) == 1 else 'paths'}",

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mat_core.formats.beziers import chain, flatness, halves, pieces_of, points_at, slopes_at_ends
+from mat_core.formats.beziers import chain, chains, flatness, halves, pieces_of, points_at, slopes_at_ends
 from mat_core.model.curve import RationalBSpline
 from tests.curves.shapes import solved
 
@@ -54,6 +54,13 @@ def test_chords_stay_within_their_tolerance(pieces: np.ndarray, exponent: int) -
         corners = np.vstack((vertices[number == i], pieces[i, -1, :-1]))
         assert distances(points, corners).max() <= tolerance + 1e-12 * np.abs(corners).max()
         assert (corners[0] == pieces[i, 0, :-1]).all()
+
+
+def test_many_curves_at_once_are_each_by_itself() -> None:
+    stacks = [pieces_of(edge) for name in ("mixed", "annulus", "blob_holes") for edge in solved(name).domain.outer]
+    for pieces, found in zip(stacks, chains(stacks, 1e-3), strict=True):
+        assert (found == np.vstack((chain(pieces, 1e-3)[0], pieces[-1, -1:, :2]))).all()
+    assert chains([], 1e-3) == []
 
 
 def distances(points: np.ndarray, corners: np.ndarray) -> np.ndarray:

@@ -165,9 +165,11 @@ def test_paths_are_drawn_even_outside_of_the_domain() -> None:
     root = ET.fromstring(render_result(axis, [ring, sides, sides[:2], []], "A < B", 640))
     drawn = {p.get("class", ""): p.get("d", "") for p in root.iterfind("svg:path", NS)}
     assert (drawn["result"].count("M"), drawn["result"].count("Z")) == (2, 2)
-    assert (drawn["result open"].count("M"), drawn["result open"].count("Z")) == (1, 0)
+    assert (drawn["result line"].count("M"), drawn["result line"].count("Z")) == (1, 0)
     points = np.vstack([piece for d in drawn.values() for run in traced(d) for piece in run])
     assert points.min() >= 0
     assert (points.max(axis=0) <= (float(root.get("width", "0")), float(root.get("height", "0")))).all()
+    lines = ET.fromstring(render_result(axis, [ring], fill=False))
+    assert [p.get("d", "")[-1] for p in lines.iterfind("svg:path", NS) if p.get("class") == "result line"] == ["Z"]
     bare = ET.fromstring(render_result(axis, []))
     assert {p.get("class") for p in bare.iterfind("svg:path", NS)} == {"fill", "boundary"}

@@ -80,6 +80,7 @@ places_in_the_plane = st.lists(st.lists(st.floats(-2.0, 2.0), min_size=2, max_si
 ARGUMENTS: dict[str, st.SearchStrategy[Json]] = {
     "offset": st.fixed_dictionaries({"distance": lengths | st.floats(-1.0, -1e-3)}, optional={"tolerance": st.just(1e-4)}),
     "inscribed-disc": optional(prominence=lengths),
+    "centerline": optional(extend=st.booleans()),
     "nearest": st.fixed_dictionaries({"points": places_in_the_plane}),
     "width": optional(limit=lengths, angle=st.floats(0.0, math.pi)),
 }

@@ -20,7 +20,7 @@ from service.errors import MEDIA_TYPE
 from service.negotiation import FORMATS
 from service.operations import OPERATIONS, Operation
 from service.schemas import ProblemDocument
-from tests.service.domains import ARGUMENTS, anything, valid_domains
+from tests.service.domains import anything
 from tests.service.live import ROOT
 
 JSON = {"Content-Type": "application/json"}
@@ -83,19 +83,6 @@ def test_the_answer_is_the_library_s(live: httpx2.Client, operation: Operation, 
     assert answer["certificate"]["passed"]
     assert answer["domain"]["edges"] == len(domain.arrays.degree)
     assert set(answer["version"]) == {"service", "algorithm"}
-
-
-@pytest.mark.parametrize("name", ANALYSES)
-@given(data=st.data())
-@RELAXED
-def test_valid_domains_are_answered(live: httpx2.Client, name: str, data: st.DataObject) -> None:
-    body = data.draw(valid_domains())
-    if name in ARGUMENTS:
-        body["arguments"] = data.draw(ARGUMENTS[name])
-    OPERATIONS[name].request.model_validate_json(json.dumps(body))
-    response = post(live, name, body)
-    assert response.status_code == 200, response.text
-    OPERATIONS[name].answer.model_validate_json(response.text)
 
 
 @pytest.mark.parametrize("name", ANALYSES)
