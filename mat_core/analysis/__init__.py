@@ -3,3 +3,8 @@
 Each function takes a `MedialAxis` and gives a frozen result with `to_dict()`; an argument out of its range raises
 `UnsupportedOption` that names it. Lengths are in the caller's unit.
 """
+
+from mat_core.analysis.offset import Offset, OffsetEdge, OffsetLoop, OffsetRegion, offset, offsets
+from mat_core.analysis.parallel import Source
+
+__all__ = ["Offset", "OffsetEdge", "OffsetLoop", "OffsetRegion", "Source", "offset", "offsets"]
