@@ -45,6 +45,7 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 NECK = 1e-12  # normalised: discs must be larger than d by so much; see above
+FARTHEST = 1e6  # of the size, outward: seen from farther away the domain loses its shape to rounding
 TOLERANCE_RANGE = (1e-13, 0.1)  # relative, of fitted edges
 
 
@@ -200,7 +201,7 @@ def offset(axis: MedialAxis, distance: float, tolerance: float | None = None) ->
     Raises
     ------
     UnsupportedOption
-        The distance is zero or not finite, or the tolerance is out of its range.
+        The distance is zero, not finite or outward by more than a million times the size, or the tolerance is out of range.
     NotCertified
         Outward: the exterior has no certified axis. Inward: the loops do not fit the axis (a defect of the axis).
     """
@@ -218,6 +219,8 @@ def offsets(axis: MedialAxis, distances: Sequence[float], tolerance: float | Non
     farthest = -min(values, default=0.0)
     if farthest <= 0.0:
         return tuple(Offset(d, inside.regions(d, accuracy)) for d in values)
+    if farthest > FARTHEST * axis.domain.size:
+        raise UnsupportedOption("distance", f"{-farthest} is outward by more than {FARTHEST:g} times the size of the domain")
     from mat_core.analysis.outward import OutwardOffsets
 
     outside = OutwardOffsets(axis, farthest)

@@ -58,7 +58,6 @@ def to_dxf(axis: MedialAxis, paths: Iterable[Iterable[RationalBSpline]] = (), la
         ezdxf is not installed.
     """
     drawing = _new_drawing()
-    drawing.layers.add(layer, color=RESULT_COLOUR)
     space = drawing.modelspace()
     tolerance = rounding(axis.domain)
     arrays = axis.domain.arrays
@@ -69,6 +68,8 @@ def to_dxf(axis: MedialAxis, paths: Iterable[Iterable[RationalBSpline]] = (), la
     for node in axis.nodes:
         space.add_point(node.point, dxfattribs={"layer": "nodes"})
     for curves in paths:
+        if layer not in drawing.layers:
+            drawing.layers.add(layer, color=RESULT_COLOUR)
         _draw(space, primitives(curves, tolerance), layer)
     return _text(drawing)
 

@@ -111,6 +111,11 @@ def test_the_axis_itself_takes_no_arguments(live: httpx2.Client) -> None:
     assert problems(post(live, "mat", PLATE | {"arguments": {}})) == {"/arguments": "invalid-request"}
 
 
+def test_an_argument_that_does_not_go_with_the_domain_is_named(live: httpx2.Client) -> None:
+    body = PLATE | {"arguments": {"distance": -1e30}}
+    assert problems(post(live, "offset", body)) == {"/arguments/distance": "unsupported-option"}
+
+
 def test_a_body_without_a_domain_and_without_arguments(live: httpx2.Client) -> None:
     assert set(problems(post(live, "offset", {}))) == {"/outer", "/arguments/distance"}
     assert problems(post(live, "offset", [])) == {"": "invalid-request"}
