@@ -18,7 +18,7 @@ from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.layout import EDGE, FAN, KIND, LOOP
 from mat_core.kernels.nurbs import spline_points
 from mat_core.model.domain import Domain
-from mat_core.segment import LENGTH_NODES, SEGMENT_KINDS, Segment
+from mat_core.segment import SEGMENT_KINDS, Segment, curve_lengths
 from mat_core.topology.graph import NODE_KINDS, AxisGraph
 from mat_core.topology.skeleton import Skeleton
 from mat_core.tracing.locate import feet, locate
@@ -154,9 +154,11 @@ class Graph:
     A depth-first walk lists nodes and segments as it meets them, and directs every segment from the node met first to the one
     met later: so node ids are a topological order, and the directed graph has no cycle. It starts at a convex vertex. Where
     the domain has none it starts at a curvature centre, without one at an arc centre, else (a ring with spokes of reflex
-    vertices, say) at any branch point. A closed segment without a node is listed last, and is no part of the order.
+    vertices, say) at any branch point. A segment that returns to the branch point it leaves, round a hole, has one node as
+    source and target: it alone has no direction the order could give it. A closed segment without a node is listed last, and is
+    no part of the order.
 
-    "Acyclic" is said of the directed graph alone. The undirected one has a cycle for every hole: `cycles` is its rank,
+    "Acyclic" is said of the directed graph alone, loops at one node left aside. The undirected one has a cycle for every hole: `cycles` is its rank,
     segments - nodes + components.
 
     Attributes
@@ -253,15 +255,10 @@ class MedialAxis:
 
     @cached_property
     def lengths(self) -> Floats:
-        """(G,) lengths of the segments' curves of centres, by Gauss quadrature on every piece."""
+        """(G,) lengths of the segments' curves of centres."""
         c = self.curves
-        nodes, weights = np.polynomial.legendre.leggauss(LENGTH_NODES)
-        half = 0.5 * (c.part_f[:, 1] - c.part_f[:, 0])
-        t = 0.5 * (c.part_f[:, 0] + c.part_f[:, 1])[:, None] + half[:, None] * nodes
-        d = self.evaluate(np.repeat(c.part_segment, LENGTH_NODES), t.reshape(-1))[:, 3:5]
-        speed = np.hypot(d[:, 0], d[:, 1]).reshape(-1, LENGTH_NODES)
         out = np.zeros(len(c.degree))
-        np.add.at(out, c.part_segment, half * (speed @ weights))
+        np.add.at(out, c.part_segment, curve_lengths(self, c.part_segment, c.part_f[:, 0], c.part_f[:, 1]))
         return out
 
     # Coordinates -------------------------------------------------------------------------------------------------
