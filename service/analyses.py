@@ -17,9 +17,11 @@ from service.schemas import (
     DomainFigures,
     DomainRequest,
     Footpoint,
+    GraphEdge,
     Loop,
     Point,
     Request,
+    Segment,
     Versions,
 )
 
@@ -44,6 +46,10 @@ class AnalysisAnswer(Answer):
     certificate: Certificate
     domain: DomainFigures
     version: Versions
+
+
+class NoArguments(Request):
+    """There are none."""
 
 
 class AxisDisc(Answer):
@@ -327,3 +333,114 @@ class CenterlineAnswer(AnalysisAnswer):
 
     operation: Literal["centerline"]
     result: CenterlineResult
+
+
+# prune ---------------------------------------------------------------------------------------------------------------
+
+
+class PruneArguments(Request):
+    """What to cut; at least one rule."""
+
+    angle: Annotated[
+        float, Field(ge=0, le=math.pi, description="radians: from the tips to the first disc whose contacts stand this far apart")
+    ] | None = None
+    length: Annotated[FiniteFloat, Field(ge=0, le=LARGEST, description="whole branches that are shorter")] | None = None
+    radius_ratio: Annotated[
+        FiniteFloat,
+        Field(ge=1, le=LARGEST, description="whole branches whose length and tip are below this times the radius at their root"),
+    ] | None = None
+    scale: Annotated[
+        FiniteFloat, Field(ge=1, le=LARGEST, description="of the scale axis: discs that others cover when all are grown by it")
+    ] | None = None
+
+
+class PruneRequest(AnalysisRequest):
+    """A domain whose axis is to be pruned."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", title="PruneRequest")
+
+    arguments: PruneArguments | None = None
+
+
+class PrunedNode(Answer):
+    """A node of a pruned axis, and the node of the axis that it was."""
+
+    id: Count
+    node: Annotated[Count | None, Field(description="null where a segment was cut inside")]
+    kind: Literal["convex_vertex", "curvature_center", "arc_center", "branch", "cut", "through", "point"]
+    point: Point
+    radius: Length
+    footpoints: list[Footpoint]
+
+
+class PrunedSegment(Segment):
+    """What is kept of a segment, as a curve of its own."""
+
+    segment: Annotated[Count, Field(description="the segment of the axis")]
+    t: Annotated[Range, Field(description="what is kept of it")]
+
+
+class PrunedGraph(Answer):
+    """How the nodes and segments that are kept hang together; components and cycles are those of the axis."""
+
+    nodes: list[PrunedNode]
+    edges: list[GraphEdge]
+    components: Count
+    cycles: Count
+
+
+class Place(Answer):
+    """A stretch of a segment of the axis."""
+
+    segment: Count
+    t: Range
+
+
+class Cut(Answer):
+    """A branch, or the outer part of one, that was cut off."""
+
+    reason: Annotated[Literal["scale", "angle", "radius_ratio", "length"], Field(description="the rule")]
+    places: Annotated[list[Place], Field(description="from the tip inwards")]
+    length: Length
+    radius_ratio: Annotated[FiniteFloat, Field(ge=0, description="length and tip over the radius where it was cut off")]
+
+
+class PruneResult(Answer):
+    """What is kept of the axis, and what was cut off."""
+
+    segments: list[PrunedSegment]
+    graph: PrunedGraph
+    cuts: list[Cut]
+
+
+class PruneAnswer(AnalysisAnswer):
+    """A pruned axis."""
+
+    operation: Literal["prune"]
+    result: PruneResult
+
+
+# reconstruct ---------------------------------------------------------------------------------------------------------
+
+
+class ReconstructRequest(AnalysisRequest):
+    """A domain whose boundary is to be rebuilt from its axis."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", title="ReconstructRequest")
+
+    arguments: NoArguments | None = None
+
+
+class ReconstructResult(Region):
+    """The boundary as the envelope of the maximal discs, and how far it is from the one that was given."""
+
+    to_boundary: Annotated[FiniteFloat, Field(ge=0, description="largest distance of its points from the boundary given")]
+    from_boundary: Annotated[FiniteFloat, Field(ge=0, description="largest distance of the boundary's points from it")]
+    area: Length
+
+
+class ReconstructAnswer(AnalysisAnswer):
+    """The boundary, rebuilt from axis and radius alone."""
+
+    operation: Literal["reconstruct"]
+    result: ReconstructResult

@@ -102,5 +102,23 @@ OPERATIONS = {
             DRAWN,
             arguments={"extend": True},
         ),
+        Operation(
+            "prune",
+            "Prune the axis",
+            "The axis without the branches that say little about the shape: by angle, length, radius ratio or the scale axis."
+            " Components and cycles stay; what was cut is listed.",
+            analyses.PruneRequest,
+            analyses.PruneAnswer,
+            DRAWN,
+            arguments={"angle": 2.0},
+        ),
+        Operation(
+            "reconstruct",
+            "Rebuild the boundary",
+            "The boundary as the envelope of the maximal discs, and its distance from the one that was given.",
+            analyses.ReconstructRequest,
+            analyses.ReconstructAnswer,
+            DRAWN,
+        ),
     )
 }

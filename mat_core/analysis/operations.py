@@ -17,6 +17,10 @@ from mat_core.analysis.centerline import Centerline, centerline
 from mat_core.analysis.inscribed import inscribed_discs
 from mat_core.analysis.nearest import nearest
 from mat_core.analysis.offset import TOLERANCE_RANGE, Offset, offset
+from mat_core.analysis.prune import prune
+from mat_core.analysis.pruned import PrunedAxis
+from mat_core.analysis.reconstruct import Reconstruction, reconstruct
+from mat_core.analysis.spans import stretch
 from mat_core.analysis.width import width
 from mat_core.axis import Point
 from mat_core.model.curve import RationalBSpline
@@ -78,6 +82,19 @@ def _line(start: Point, end: Point) -> RationalBSpline:
     return RationalBSpline(1, np.array([0.0, 0.0, 1.0, 1.0]), np.array([start, end]), np.ones(2))
 
 
+def _kept(result: PrunedAxis) -> list[list[RationalBSpline]]:
+    """Each segment that is kept."""
+    curves = []
+    for s in result.segments:
+        degree, knots, rows = stretch(result.axis, s.segment, s.t0, s.t1)
+        curves.append([RationalBSpline(degree, knots, rows[:, :2], rows[:, 3])])
+    return curves
+
+
+def _boundary(result: Reconstruction) -> list[list[RationalBSpline]]:
+    return [list(loop) for loop in (result.outer, *result.holes)]
+
+
 OPERATIONS = {
     operation.name: operation
     for operation in (
@@ -93,6 +110,18 @@ OPERATIONS = {
         ),
         Operation("inscribed-disc", inscribed_discs, {"prominence": number(0.0)}),
         Operation("width", width, {"limit": number(0.0), "angle": number(0.0, math.pi, unit="radians")}),
+        Operation(
+            "prune",
+            prune,
+            {
+                "angle": number(0.0, math.pi, unit="radians"),
+                "length": number(0.0),
+                "radius_ratio": number(1.0),
+                "scale": number(1.0),
+            },
+            _kept,
+        ),
+        Operation("reconstruct", reconstruct, paths=_boundary, encloses=True),
         Operation("centerline", centerline, {"extend": truth_value()}, _path),
         Operation("nearest", nearest, {"points": point_list()}),
     )

@@ -81,6 +81,9 @@ ARGUMENTS: dict[str, st.SearchStrategy[Json]] = {
     "offset": st.fixed_dictionaries({"distance": lengths | st.floats(-1.0, -1e-3)}, optional={"tolerance": st.just(1e-4)}),
     "inscribed-disc": optional(prominence=lengths),
     "centerline": optional(extend=st.booleans()),
+    "prune": optional(angle=st.floats(0.0, math.pi), length=lengths, radius_ratio=st.floats(1.0, 3.0)).map(
+        lambda rules: {"scale": 1.2, **rules}
+    ),
     "nearest": st.fixed_dictionaries({"points": places_in_the_plane}),
     "width": optional(limit=lengths, angle=st.floats(0.0, math.pi)),
 }
