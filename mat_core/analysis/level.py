@@ -218,9 +218,16 @@ def _start_footpoints(axis: MedialAxis, strips: Strips, strip: Ints, part: Ints,
     return right_s, left_s
 
 
+def frame(table: SiteTable, site: int, s: float) -> tuple[float, float, float, float, float, float]:
+    """(x, y, tx, ty, k, speed) at s of a site: point, tangent, curvature, |dC/ds|."""
+    found: tuple[float, float, float, float, float, float] = evaluate(  # type: ignore[no-untyped-call]
+        table.si, table.sf, table.cp, site, s, 0.0, 0.0)
+    return found
+
+
 def parallel(table: SiteTable, site: int, s: float, distance: float) -> tuple[float, float, float, float]:
     """(x, y, dx, dy): the point at a distance from s of a site along its normal, and its derivative by s."""
-    x, y, tx, ty, k, speed = evaluate(table.si, table.sf, table.cp, site, s, 0.0, 0.0)
+    x, y, tx, ty, k, speed = frame(table, site, s)
     along = speed - distance * _turning(table, site, s, k, speed)
     return x - distance * ty, y + distance * tx, along * tx, along * ty
 
@@ -233,8 +240,8 @@ def _turning(table: SiteTable, site: int, s: float, k: float, speed: float) -> f
         return k * speed
     # an end without speed, where k has no bound but their product has a limit
     inward = BESIDE if s < 0.5 else -BESIDE
-    near, far = (evaluate(table.si, table.sf, table.cp, site, s + i * inward, 0.0, 0.0)[4:] for i in (1, 2))
-    return float(2.0 * near[0] * near[1] - far[0] * far[1])
+    near, far = (frame(table, site, s + i * inward)[4:] for i in (1, 2))
+    return 2.0 * near[0] * near[1] - far[0] * far[1]
 
 
 def _meet(table: SiteTable, strips: Strips, strip: Ints, distance: float, right_s: Floats, left_s: Floats) -> None:

@@ -139,7 +139,8 @@ def _feet(table: SiteTable, site: Sequence[int] | Ints, s: Sequence[float] | Flo
 def parallel_points(table: SiteTable, site: Ints, s: Floats, distance: float) -> Floats:
     """Points (n, 2) at a distance along the normals at s of sites."""
     found = _feet(table, site, s)
-    return found[:, :2] + distance * np.column_stack((np.cos(found[:, 3]), np.sin(found[:, 3])))
+    points: Floats = found[:, :2] + distance * np.column_stack((np.cos(found[:, 3]), np.sin(found[:, 3])))
+    return points
 
 
 def _fit_all(
