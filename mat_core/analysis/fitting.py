@@ -28,6 +28,9 @@ Curves = Callable[[Ints, Floats], Floats]  # (curve (n,), v (n,)) -> (n, 2)
 SAFETY = 1.5  # stated error over the largest measured one
 FINE = 5e-8  # from here down degree 7 needs fewer pieces than degree 5 (normalised lengths)
 ROUNDS = 24  # of halving: intervals of 1e-7 of their curve are not halved any more
+NOISE = 1e-13  # an error this small is never halved away
+LOST = 1e-11  # nor one this small that halving the piece left at
+STALLED = 0.25  # of what it was, and more
 ROUNDING = 4e-16  # no stated error is less
 NODES = {2: (0.18225, 0.337294, 0.5), 4: (0.09825, 0.186439, 0.2845, 0.390292, 0.5)}  # checks and nodes in turn, to the middle
 END_CHECK = 0.6  # one more check on the way from the outer one to the end
@@ -68,10 +71,11 @@ def _scheme(m: int) -> tuple[Floats, Floats, Floats]:
     rows[1, :2] = -n, n
     rows[-2, -2:] = -n, n
     rows[2:-2] = bernstein(n, nodes)
-    return np.concatenate((nodes, checks)), np.linalg.inv(rows), bernstein(n, checks)
+    matrix: Floats = np.linalg.inv(rows)
+    return np.concatenate((nodes, checks)), matrix, bernstein(n, checks)
 
 
-def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, least: Floats | float = 0.0) -> Fits:
+def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, shape: float | None = None) -> Fits:
     """Fit the curves P_i(v), v in [0, 1], for i in range(curves).
 
     Parameters
@@ -81,8 +85,8 @@ def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, leas
     curves : int
     tolerance : float
         Largest error; what rounding keeps above it states the larger one.
-    least : float
-        Pieces are at most this long in v, where it is positive.
+    shape : float, optional
+        Largest error relative to a piece's chord.
 
     Returns
     -------
@@ -92,6 +96,7 @@ def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, leas
     places, matrix, basis = _scheme(m)
     item = np.arange(curves)
     lo, hi = np.zeros(curves), np.ones(curves)
+    before = np.full(curves, np.inf)
     done: list[tuple[Ints, Floats, Floats, Floats]] = []
     for remaining in range(ROUNDS, -1, -1):
         if not len(item):
@@ -109,9 +114,15 @@ def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, leas
         control[:, -1:], control[:, -2:-1] = last, last - legs[:, 1:]
         miss = np.einsum("ij,kjc->kic", basis, control) - found[:, m + 1 : -1]
         error = SAFETY * np.sqrt((miss**2).sum(axis=2).max(axis=1))
+        # a piece that begins without speed shrinks faster than its parameter: it keeps its shape, too
         good = error <= tolerance
+        if shape is not None:
+            good &= error <= np.maximum(shape * np.hypot(*(last - first)[:, 0].T), NOISE)
+        # halving helps no more: what is left is the rounding of the points themselves
+        good |= (error <= LOST) & (error >= STALLED * before)
         if remaining == 0:
             good[:] = True
+        before = np.repeat(error[~good], 2)
         done.append((item[good], np.column_stack((lo, hi))[good], control[good], np.maximum(error[good], ROUNDING)))
         item, lo, hi = item[~good], lo[~good], hi[~good]
         middle = 0.5 * (lo + hi)

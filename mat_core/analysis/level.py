@@ -21,9 +21,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.analysis.pieces import bezier_pieces
 from mat_core.axis import MedialAxis
 from mat_core.boundary.sites import SiteTable
-from mat_core.kernels.bezier import decompose
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.layout import FAN, KIND, SWEEP
 from mat_core.tracing.locate import locate
@@ -80,31 +80,8 @@ def list_strips(axis: MedialAxis) -> Strips:
     left_s = np.where(back[:, None], s[:, [1, 0]], s[:, [2, 3]])
     begins = np.flatnonzero(np.diff(c.part_strip, prepend=-1) != 0)
     part = np.append(begins, len(c.part_strip))
-    return Strips(disc, right, left, right_s, left_s, part, *_radius_pieces(axis))
-
-
-def _radius_pieces(axis: MedialAxis) -> tuple[Ints, Floats, Floats]:
-    """(degree, radius, weight) of every piece in Bernstein form."""
-    c = axis.curves
-    parts = len(c.part_f)
-    degree = c.degree[c.part_segment] if parts else np.empty(0, dtype=np.int64)
-    width = int(c.degree.max(initial=1)) + 1
-    radius = np.empty((parts, width))
-    weight = np.empty((parts, width))
-    rows = np.ascontiguousarray(c.cp[:, [2, 2, 3]])
-    most = int(np.diff(c.cp_start).max(initial=1)) * width
-    out, breaks = np.empty((most, 3)), np.empty(most + 1)
-    for g, p in enumerate(c.degree.tolist()):
-        k0, k1 = c.knot_start[g], c.knot_start[g + 1]
-        n = decompose(p, c.knots, k0, k1 - k0, rows, c.cp_start[g], c.cp_start[g + 1] - c.cp_start[g], out, breaks)
-        own = slice(int(c.part_start[g]), int(c.part_start[g + 1]))
-        spans = np.arange(n)
-        if n != own.stop - own.start:  # pieces shorter than t can tell apart have no span of their own
-            spans = np.clip(np.searchsorted(breaks[: n + 1], c.part_f[own, :2].mean(axis=1)) - 1, 0, n - 1)
-        found = out[: n * (p + 1)].reshape(n, p + 1, 3)[spans]
-        radius[own, : p + 1], weight[own, : p + 1] = found[:, :, 0], found[:, :, 2]
-        radius[own, p + 1 :], weight[own, p + 1 :] = found[:, -1:, 0], found[:, -1:, 2]
-    return degree, radius, weight
+    degree, rows = bezier_pieces(axis)
+    return Strips(disc, right, left, right_s, left_s, part, degree, rows[:, :, 2], rows[:, :, 3])
 
 
 def find_corners(axis: MedialAxis, strips: Strips, distance: float, level: float, above: Flags) -> Corners:
@@ -218,9 +195,16 @@ def _start_footpoints(axis: MedialAxis, strips: Strips, strip: Ints, part: Ints,
     return right_s, left_s
 
 
+def frame(table: SiteTable, site: int, s: float) -> tuple[float, float, float, float, float, float]:
+    """(x, y, tx, ty, k, speed) at s of a site: point, tangent, curvature, |dC/ds|."""
+    found: tuple[float, float, float, float, float, float] = evaluate(  # type: ignore[no-untyped-call]
+        table.si, table.sf, table.cp, site, s, 0.0, 0.0)
+    return found
+
+
 def parallel(table: SiteTable, site: int, s: float, distance: float) -> tuple[float, float, float, float]:
     """(x, y, dx, dy): the point at a distance from s of a site along its normal, and its derivative by s."""
-    x, y, tx, ty, k, speed = evaluate(table.si, table.sf, table.cp, site, s, 0.0, 0.0)
+    x, y, tx, ty, k, speed = frame(table, site, s)
     along = speed - distance * _turning(table, site, s, k, speed)
     return x - distance * ty, y + distance * tx, along * tx, along * ty
 
@@ -233,8 +217,8 @@ def _turning(table: SiteTable, site: int, s: float, k: float, speed: float) -> f
         return k * speed
     # an end without speed, where k has no bound but their product has a limit
     inward = BESIDE if s < 0.5 else -BESIDE
-    near, far = (evaluate(table.si, table.sf, table.cp, site, s + i * inward, 0.0, 0.0)[4:] for i in (1, 2))
-    return float(2.0 * near[0] * near[1] - far[0] * far[1])
+    near, far = (frame(table, site, s + i * inward)[4:] for i in (1, 2))
+    return 2.0 * near[0] * near[1] - far[0] * far[1]
 
 
 def _meet(table: SiteTable, strips: Strips, strip: Ints, distance: float, right_s: Floats, left_s: Floats) -> None:

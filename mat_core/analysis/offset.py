@@ -31,12 +31,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.analysis.level import Corners, Strips, find_corners, list_strips
+from mat_core.analysis.level import Corners, Strips, find_corners, frame, list_strips
 from mat_core.analysis.outline import edge_dicts, measure
 from mat_core.analysis.parallel import Drawn, Source, Stretch, draw_loops, to_curve
 from mat_core.axis import MedialAxis
 from mat_core.errors import NotCertified, UnsupportedOption
-from mat_core.kernels.curve import evaluate
 from mat_core.kernels.layout import LOOP
 from mat_core.model.curve import RationalBSpline
 
@@ -364,7 +363,7 @@ class InwardOffsets:
     def _broken(self, site: int) -> NotCertified:
         """The honest error for arcs that make no loops."""
         t = self.axis.table
-        x, y = evaluate(t.si, t.sf, t.cp, site, 1.0, 0.0, 0.0)[:2]
+        x, y = frame(t, site, 1.0)[:2]
         place = (float(x / t.scale + t.origin[0]), float(y / t.scale + t.origin[1]))
         return NotCertified("offset: the arcs along the axis do not close to loops", place)
 

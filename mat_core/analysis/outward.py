@@ -2,8 +2,8 @@
 
 The exterior is a domain, too, once a frame is put round it: far enough away, its own offset meets nothing else's. The
 inside of every hole is another one. Each is solved with `medial_axis` and offset inward; the parts that come from the
-frame are dropped, the loops turned round. The exterior's one unbounded part gives the outer loop of the result; its other parts (mouths that
-close before what lies behind them is filled) and those of the holes are holes.
+frame are dropped, the loops turned round. The exterior's unbounded part gives the outer loop of the result; its other
+parts (behind mouths that close before they are filled) and those of the holes are holes.
 """
 
 from __future__ import annotations
@@ -73,7 +73,9 @@ def _frame(domain: Domain, farthest: float) -> list[RationalBSpline]:
     return [RationalBSpline(1, np.array([0.0, 0.0, 1.0, 1.0]), end, np.ones(2)) for end in ends]
 
 
-def _solved(axis: MedialAxis, frames: Iterable[list[RationalBSpline]], loop: tuple[RationalBSpline, ...], what: str) -> MedialAxis:
+def _solved(
+    axis: MedialAxis, frames: Iterable[list[RationalBSpline]], loop: tuple[RationalBSpline, ...], what: str
+) -> MedialAxis:
     """The axis between a frame and a loop, or inside the loop where there is no frame."""
     loops = [edge_dicts(edges) for edges in (*frames, loop)]
     angle = float(axis.certificate.get("smooth_angle", axis.domain.options.get("smooth_angle", SMOOTH_ANGLE)))

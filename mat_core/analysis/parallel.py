@@ -33,6 +33,7 @@ Ints = NDArray[np.int64]
 SAME_LINE = 1e-13  # radians by which two lines or smooth curves in one may turn
 SAME_CIRCLE = 1e-12  # relative difference of two curvatures on one circle
 QUARTER = 0.5 * math.pi * (1.0 + 1e-9)  # radians that one rational quadratic turns by at most
+SHAPE = 1e-2  # of its chord: a fitted piece's largest error; where d is a radius of curvature they shrink to nothing
 NOTHING = 1e-12  # normalised: an edge this short is none; nearer points are one to `Domain`, too
 KINDS = {LINE: "line", ARC: "arc", FAN: "arc", SPIRAL: "spline"}
 
@@ -139,7 +140,8 @@ def _feet(table: SiteTable, site: Sequence[int] | Ints, s: Sequence[float] | Flo
 def parallel_points(table: SiteTable, site: Ints, s: Floats, distance: float) -> Floats:
     """Points (n, 2) at a distance along the normals at s of sites."""
     found = _feet(table, site, s)
-    return found[:, :2] + distance * np.column_stack((np.cos(found[:, 3]), np.sin(found[:, 3])))
+    points: Floats = found[:, :2] + distance * np.column_stack((np.cos(found[:, 3]), np.sin(found[:, 3])))
+    return points
 
 
 def _fit_all(
@@ -165,7 +167,7 @@ def _fit_all(
         rows = [parallel(table, i, s, distance)[2:] for i, s in zip(site[curve].tolist(), at(curve, v).tolist(), strict=True)]
         return np.array(rows).reshape(-1, 2) * (s1 - s0)[curve, None]
 
-    return fit(points, derivatives, len(free), tolerance), first
+    return fit(points, derivatives, len(free), tolerance, SHAPE), first
 
 
 def _draw_loop(
@@ -250,7 +252,12 @@ def _arc(
         turns += [turn / spans] * spans
     ends = parallel_points(table, *_columns(places), distance)
     ends = np.vstack((p, ends[1:], q))
-    half = 0.5 * np.array(turns)
+    return arc_spline(ends, np.array(turns))
+
+
+def arc_spline(ends: Floats, turns: Floats) -> tuple[Floats, Floats, Floats]:
+    """(knots, control points, weights) of circular arcs in a row, through ends (n + 1, 2), turning by turns (n,)."""
+    half = 0.5 * turns
     chord = np.diff(ends, axis=0)
     middle = 0.5 * (ends[:-1] + ends[1:]) + 0.5 * np.tan(half)[:, None] * np.column_stack((chord[:, 1], -chord[:, 0]))
     control = np.empty((2 * len(half) + 1, 2))

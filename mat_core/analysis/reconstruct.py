@@ -1,0 +1,270 @@
+"""The boundary again, from the medial axis and its radius alone.
+
+1. Each segment gives two curves, the envelope of its discs on the right and on the left (`envelope`).
+2. Round a node the right side of an arriving segment goes on as the right side of the next one anticlockwise; at a leaf,
+   as the segment's own other side.
+3. Where the two do not meet the disc itself lies between them, a contact along an arc: it is put in. The gap is the angle
+   between both segments less their sides' own, so that also arcs of more than half a turn are told from none.
+4. Loops are measured against the domain's own edges, both ways.
+
+Nothing is taken from the boundary but for that comparison.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mat_core.analysis.distance import farthest, pieces_of
+from mat_core.analysis.envelope import Envelope
+from mat_core.analysis.fitting import join
+from mat_core.analysis.outline import edge_dicts, measure
+from mat_core.analysis.parallel import QUARTER, arc_spline
+from mat_core.axis import MedialAxis
+from mat_core.errors import NotCertified
+from mat_core.model.curve import RationalBSpline
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FIT_SHARE = 0.1  # of the axis's tolerance, for the curves of the boundary
+SNAP = 1e-9  # normalised: a shorter arc is rounding of e, which moves along the boundary only
+POINT = 4.0  # fitting errors a side must be larger than to be a curve and not a vertex
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """A boundary rebuilt from an axis; lengths in the caller's unit.
+
+    Attributes
+    ----------
+    outer : tuple of RationalBSpline
+        Edges head to tail, counter-clockwise.
+    holes : tuple of tuple of RationalBSpline
+        Likewise, clockwise.
+    to_boundary : float
+        Largest distance of its points from the domain's own boundary, measured at many.
+    from_boundary : float
+        Largest distance of the boundary's points from it, likewise.
+    area : float
+        Enclosed.
+    """
+
+    outer: tuple[RationalBSpline, ...]
+    holes: tuple[tuple[RationalBSpline, ...], ...]
+    to_boundary: float
+    from_boundary: float
+    area: float
+
+    @property
+    def distance(self) -> float:
+        """The larger one of both distances."""
+        return max(self.to_boundary, self.from_boundary)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain dicts, lists and numbers; ``outer`` and ``holes`` are those of a JSON domain."""
+        return {
+            "outer": edge_dicts(self.outer),
+            "holes": [edge_dicts(hole) for hole in self.holes],
+            "to_boundary": self.to_boundary,
+            "from_boundary": self.from_boundary,
+            "area": self.area,
+        }
+
+
+class _Side(NamedTuple):
+    """One side of one item, in the direction of the boundary: +1 the right side along t, -1 the left side against it."""
+
+    item: int
+    sense: int
+
+
+class _Gap(NamedTuple):
+    """Between two sides: the turn of the disc (anticlockwise), and the disc."""
+
+    turn: float
+    disc: Floats
+
+
+def reconstruct(axis: MedialAxis) -> Reconstruction:
+    """The boundary as the envelope of the maximal discs.
+
+    Parameters
+    ----------
+    axis : MedialAxis
+        The rebuilt boundary is as near to the domain's as the axis's curves are to the true ones.
+
+    Returns
+    -------
+    Reconstruction
+
+    Raises
+    ------
+    NotCertified
+        The sides do not close to one outer loop and holes (a defect of the axis).
+
+    Notes
+    -----
+    H. Blum, "A transformation for extracting new descriptors of shape" (1967): axis and radius determine the shape.
+    """
+    table = axis.table
+    tolerance = FIT_SHARE * axis.tolerance * axis.domain.size * table.scale
+    loops = _circle(axis) if not len(axis.segments) else _Rebuilder(axis, tolerance).loops()
+    curves = [
+        tuple(RationalBSpline(c.degree, c.knots, c.control_points / table.scale + table.origin, c.weights) for c in loop)
+        for loop in loops
+    ]
+    areas = [measure(loop)[0] for loop in curves]
+    outside = [i for i, a in enumerate(areas) if a > 0.0]
+    if len(outside) != 1:
+        raise NotCertified(f"reconstruct: {len(outside)} loops run anticlockwise, not 1")
+    origin = table.origin
+    rebuilt = pieces_of((c for loop in curves for c in loop), origin)
+    given = pieces_of((c for loop in (axis.domain.outer, *axis.domain.holes) for c in loop), origin)
+    holes = tuple(loop for i, loop in enumerate(curves) if i != outside[0])
+    return Reconstruction(
+        curves[outside[0]], holes, farthest(rebuilt, given), farthest(given, rebuilt), math.fsum(areas)
+    )
+
+
+def _circle(axis: MedialAxis) -> list[list[RationalBSpline]]:
+    """The boundary of a disc, whose axis is a point."""
+    return [[_arc_about(axis.skeleton.disc[axis.runs.node_disc[0]], 0.0, 2.0 * math.pi, None, None)]]
+
+
+def _arc_about(disc: Floats, start: float, turn: float, p: Floats | None, q: Floats | None) -> RationalBSpline:
+    """An arc of a disc from a direction on, anticlockwise; its ends put at p and q if they are given."""
+    spans = max(math.ceil(turn / QUARTER), 1)
+    angle = start + turn * np.arange(spans + 1) / spans
+    ends = disc[:2] + disc[2] * np.column_stack((np.cos(angle), np.sin(angle)))
+    if p is not None and q is not None:
+        ends[0], ends[-1] = p, q
+    else:
+        ends[-1] = ends[0]
+    knots, control, weights = arc_spline(ends, np.full(spans, turn / spans))
+    return RationalBSpline(2, knots, control, weights)
+
+
+class _Rebuilder:
+    """Steps 1 to 3 for one axis, normalised."""
+
+    def __init__(self, axis: MedialAxis, tolerance: float) -> None:
+        self.axis = axis
+        self.envelope = Envelope(axis, tolerance)
+        owner = axis.curves.part_segment[self.envelope.items.piece]
+        self.first = np.searchsorted(owner, np.arange(len(axis.segments) + 1)).tolist()
+        if any(a == b for a, b in zip(self.first[:-1], self.first[1:], strict=True)):
+            raise NotCertified("reconstruct: a segment of no length has no sides")
+
+    def loops(self) -> list[list[RationalBSpline]]:
+        """All loops of the boundary."""
+        return [self._draw(chain) for chain in self._chains()]
+
+    def _chains(self) -> Iterator[list[_Side]]:
+        """Step 2: sides in the order of the boundary, one list a loop."""
+        following = self._turn_round()
+        waiting = dict.fromkeys(following)
+        while waiting:
+            start = half = next(iter(waiting))
+            chain: list[_Side] = []
+            while True:
+                del waiting[half]
+                segment, sense = half
+                items = range(self.first[segment], self.first[segment + 1])
+                chain += [_Side(i, sense) for i in (items if sense > 0 else reversed(items))]
+                half = following[half]
+                if half == start:
+                    break
+            yield chain
+
+    def _turn_round(self) -> dict[tuple[int, int], tuple[int, int]]:
+        """For each side (segment, sense) the next one."""
+        runs, ends = self.axis.runs, self.envelope.ends
+        at_node: dict[int, list[tuple[float, tuple[int, int]]]] = {}
+        following: dict[tuple[int, int], tuple[int, int]] = {}
+        for g, (a, b) in enumerate(zip(runs.start_node.tolist(), runs.end_node.tolist(), strict=True)):
+            if a < 0:
+                following[g, 1], following[g, -1] = (g, 1), (g, -1)
+                continue
+            away = ends.forward[self.first[g], 0], -ends.forward[self.first[g + 1] - 1, 1]
+            for node, d, sense in ((a, away[0], 1), (b, away[1], -1)):
+                at_node.setdefault(node, []).append((math.atan2(d[1], d[0]), (g, sense)))
+        for leaving in at_node.values():
+            leaving.sort()
+            for (_, (segment, sense)), (_, after) in zip(leaving, leaving[1:] + leaving[:1], strict=True):
+                following[segment, -sense] = after
+        return following
+
+    def _gap(self, a: _Side, b: _Side) -> _Gap:
+        """Step 3: what lies between the end of side a and the start of side b, at one disc."""
+        ends = self.envelope.ends
+        i, j = (1 if a.sense > 0 else 0), (0 if b.sense > 0 else 1)
+        arrive, leave = a.sense * ends.forward[a.item, i], b.sense * ends.forward[b.item, j]
+        back = -arrive
+        between = math.atan2(back[0] * leave[1] - back[1] * leave[0], back @ leave) % (2.0 * math.pi)
+        if a.item == b.item and i == j:
+            between = 2.0 * math.pi
+        angle_a, angle_b = float(ends.angle[a.item, i]), float(ends.angle[b.item, j])
+        # from the direction of travel clockwise to e, on either side
+        own_a = math.pi - angle_a if a.sense > 0 else angle_a
+        own_b = angle_b if b.sense > 0 else math.pi - angle_b
+        return _Gap(between - own_a - own_b, 0.5 * (ends.disc[a.item, i] + ends.disc[b.item, j]))
+
+    def _controls(self, side: _Side) -> list[Floats]:
+        """Beziers of one side, in the direction of the boundary; none where it stays in one point."""
+        fits = self.envelope.right if side.sense > 0 else self.envelope.left
+        rows = fits.of(side.item)
+        control = fits.control[rows]
+        reach = float(np.abs(control - control[0, 0]).max())
+        if reach <= POINT * max(float(fits.error[rows].max()), float(self.axis.curves.max_error.max())):
+            return []
+        pieces = [control[k].copy() for k in range(len(control))]
+        return pieces if side.sense > 0 else [piece[::-1].copy() for piece in reversed(pieces)]
+
+    def _draw(self, chain: list[_Side]) -> list[RationalBSpline]:
+        """One loop of curves, ends joined."""
+        edges: list[list[Floats] | RationalBSpline] = []
+        gaps = [self._gap(a, b) for a, b in zip(chain, chain[1:] + chain[:1], strict=True)]
+        smooth = False
+        for side, gap in zip(chain, gaps, strict=True):
+            pieces = self._controls(side)
+            if pieces and smooth and isinstance(edges[-1], list):
+                edges[-1] += pieces
+            elif pieces:
+                edges.append(pieces)
+            smooth = bool(pieces) and abs(gap.turn) * gap.disc[2] <= SNAP and gap.disc[2] > SNAP
+            if gap.turn * gap.disc[2] > SNAP:
+                fits = self.envelope.right if side.sense > 0 else self.envelope.left
+                rows = fits.of(side.item)
+                p = fits.control[rows][-1, -1] if side.sense > 0 else fits.control[rows][0, 0]
+                start = math.atan2(p[1] - gap.disc[1], p[0] - gap.disc[0])
+                edges.append(_arc_about(gap.disc, start, gap.turn, p, None if False else _on(gap.disc, start + gap.turn)))
+        return _closed(edges)
+
+
+def _on(disc: Floats, angle: float) -> Floats:
+    """The point of a disc in a direction."""
+    return np.array([disc[0] + disc[2] * math.cos(angle), disc[1] + disc[2] * math.sin(angle)])
+
+
+def _closed(edges: list[list[Floats] | RationalBSpline]) -> list[RationalBSpline]:
+    """Splines of the edges, each end moved to the middle between it and the next one's start."""
+    curves = []
+    for edge in edges:
+        if isinstance(edge, RationalBSpline):
+            curves.append(edge)
+            continue
+        for before, after in zip(edge[:-1], edge[1:], strict=True):
+            middle = 0.5 * (before[-1] + after[0])
+            before[-1] = after[0] = middle
+        knots, control = join(edge)
+        curves.append(RationalBSpline(edge[0].shape[0] - 1, knots, control, np.ones(len(control))))
+    for a, b in zip(curves, curves[1:] + curves[:1], strict=True):
+        middle = 0.5 * (a.control_points[-1] + b.control_points[0])
+        a.control_points[-1] = b.control_points[0] = middle
+    return curves
