@@ -60,3 +60,21 @@ def test_loops_of_an_offset_close(shape: str, distance: float) -> None:
         assert head_to_tail([*curves, curves[0]], solved(shape).domain.size)
     assert sum(length(curve) for curves in loops for curve in curves) == pytest.approx(result.perimeter, rel=1e-3)
     json.dumps(result.to_dict(), allow_nan=False)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_loops_of_a_rebuilt_boundary_close(shape: str) -> None:
+    result, loops = paths("reconstruct", shape)
+    assert len(loops) == 1 + len(result.holes) == 1 + len(solved(shape).domain.holes)
+    for curves in loops:
+        assert head_to_tail([*curves, curves[0]], solved(shape).domain.size)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_what_is_kept_of_a_pruned_axis_lies_on_the_axis(shape: str) -> None:
+    axis = solved(shape)
+    result, kept = paths("prune", shape, angle=2.0)
+    assert len(kept) == len(result.segments)
+    for (curve,), s in zip(kept, result.segments, strict=True):
+        own = axis.segments[s.segment].evaluate([s.t0, s.t1])[:, :2]
+        np.testing.assert_allclose(curve.control_points[[0, -1]], own, atol=1e-9 * axis.domain.size)
