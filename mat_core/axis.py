@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.layout import EDGE, FAN, KIND, LOOP
 from mat_core.kernels.nurbs import spline_points
+from mat_core.lengths import curve_lengths
 from mat_core.model.domain import Domain
-from mat_core.segment import SEGMENT_KINDS, Segment, curve_lengths
+from mat_core.segment import SEGMENT_KINDS, Segment
 from mat_core.topology.graph import NODE_KINDS, AxisGraph
 from mat_core.topology.skeleton import Skeleton
 from mat_core.tracing.locate import feet, locate
@@ -158,8 +159,8 @@ class Graph:
     source and target: it alone has no direction the order could give it. A closed segment without a node is listed last, and is
     no part of the order.
 
-    "Acyclic" is said of the directed graph alone, loops at one node left aside. The undirected one has a cycle for every hole: `cycles` is its rank,
-    segments - nodes + components.
+    "Acyclic" is said of the directed graph alone, loops at one node left aside. The undirected one has a cycle for every hole:
+    `cycles` is its rank, segments - nodes + components.
 
     Attributes
     ----------

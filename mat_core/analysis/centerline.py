@@ -111,7 +111,7 @@ class Centerline:
         if not self.path:
             return self.axis.node_discs[:1].copy()
         step = self.length / 100.0 if spacing is None else spacing
-        places = np.linspace(0.0, self.length, max(int(math.ceil(self.length / step)), 1) + 1)
+        places = np.linspace(0.0, self.length, max(math.ceil(self.length / step), 1) + 1)
         lead = 0.0 if self.before is None else self.before.length
         lengths = self.axis.lengths[[g for g, _ in self.path]]
         reached = lead + np.concatenate(([0.0], np.cumsum(lengths)))

@@ -1,16 +1,17 @@
 """The graph of an axis for graph programs, and the completeness test of the paper (section 6.1).
 
-The paper's test: the start and the end nodes of the directed graph are the convex corners of the object and the centres of curvature
-of its points of locally maximal positive curvature (LMPC), and a topological sort that lists them all shows that no segment is
-missing. Two things are added that it passes over. An LMPC whose osculating disc does not fit, or touches elsewhere too, has no leaf:
-then its own maximal disc passes it, and the test asks for that one. And an arc of a circle between gentler pieces is an LMPC as a
-whole.
+The paper's test: the start and the end nodes of the directed graph are the convex corners of the object and the centres of
+curvature of its points of locally maximal positive curvature (LMPC), and a topological sort that lists them all shows that no
+segment is missing. Two things are added that it passes over. An LMPC whose osculating disc does not fit, or touches elsewhere
+too, has no leaf: then its own maximal disc passes it, and the test asks for that one. And an arc of a circle between gentler
+pieces is an LMPC as a whole.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -104,9 +105,9 @@ def to_networkx(axis: MedialAxis) -> networkx.MultiDiGraph[Any]:
     Returns
     -------
     networkx.MultiDiGraph
-        Nodes are ids of nodes with ``kind``, ``x``, ``y``, ``r``, added in topological order; edges have the id of their segment as
-        key, and ``segment``, ``kind``, ``length``, ``min_radius``, ``max_radius``. A closed segment without a node is a loop at
-        a node of its own, named ``seam-<segment>``, of kind ``seam``, where t = 0. The graph has ``components`` and ``cycles``.
+        Nodes are ids of nodes with ``kind``, ``x``, ``y``, ``r``, added in topological order; edges have the id of their segment
+        as key, and ``segment``, ``kind``, ``length``, ``min_radius``, ``max_radius``. A closed segment without a node is a loop
+        at a node of its own, named ``seam-<segment>``, of kind ``seam``, where t = 0. The graph has ``components``, ``cycles``.
 
     Raises
     ------
@@ -124,11 +125,12 @@ def to_networkx(axis: MedialAxis) -> networkx.MultiDiGraph[Any]:
     smallest, largest = _radius_ranges(axis)
     lengths = axis.lengths.tolist()
     for g, start, end in graph.edges:
+        seam = f"seam-{g}"
         if start is None:
-            start = end = f"seam-{g}"  # type: ignore[assignment]
             x, y, r = axis.segments[g].evaluate(0.0).tolist()
-            out.add_node(start, kind="seam", x=x, y=y, r=r)
-        out.add_edge(start, end, key=g, segment=g, kind=axis.segments[g].kind, length=lengths[g], min_radius=smallest[g],
+            out.add_node(seam, kind="seam", x=x, y=y, r=r)
+        ends = (seam, seam) if start is None else (start, end)
+        out.add_edge(*ends, key=g, segment=g, kind=axis.segments[g].kind, length=lengths[g], min_radius=smallest[g],
                      max_radius=largest[g])
     return out
 
@@ -198,7 +200,7 @@ def _expected(axis: MedialAxis) -> list[tuple[int, float]]:
     si, sf, starts = axis.table.si, axis.table.sf, axis.table.loop_start.tolist()
     vertex = si[:, CORNER] == CONVEX_VERTEX
     out = []
-    for first, last in zip(starts[:-1], starts[1:], strict=True):
+    for first, last in pairwise(starts):
         chain: list[tuple[int, float]] = []  # the joint a value belongs to, or that its plateau begins at, and the value
         for site in range(first, last):
             if vertex[site]:

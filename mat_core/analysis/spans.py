@@ -37,20 +37,75 @@ def cut_spans(axis: MedialAxis) -> Spans:
     Spans
     """
     c = axis.curves
-    owner = np.repeat(np.arange(len(c.degree)), np.diff(c.knot_start))
-    at = np.nonzero((c.knots[:-1] < c.knots[1:]) & (owner[:-1] == owner[1:]))[0]
-    segment = owner[at]
+    at, segment = _places(axis)
     top = int(c.degree.max(initial=1))
     rows = np.empty((len(at), top + 1, 4))
-    homogeneous = np.column_stack((c.cp[:, :3] * c.cp[:, 3:], c.cp[:, 3]))
     for degree in np.unique(c.degree).tolist():
         chosen = np.nonzero(c.degree[segment] == degree)[0]
-        knot = at[chosen]
-        first = c.cp_start[segment[chosen]] + knot - c.knot_start[segment[chosen]] - degree
-        local = homogeneous[first[:, None] + np.arange(degree + 1)]
-        knots = c.knots[knot[:, None] + np.arange(1 - degree, degree + 1)]
-        rows[chosen] = raised(_blossoms(local, knots, degree), top)
+        rows[chosen] = raised(_cut(axis, at[chosen], segment[chosen], degree), top)
     return Spans(segment, np.column_stack((c.knots[at], c.knots[at + 1])), rows)
+
+
+def stretch(axis: MedialAxis, segment: int, t0: float, t1: float) -> tuple[int, Floats, Floats]:
+    """The part of one segment's curve from t0 < t1 on, as a spline of its own over [0, 1].
+
+    Returns
+    -------
+    degree : int
+        The segment's own.
+    knots : (n + degree + 1,) float64
+        Clamped, each inner one `degree` times.
+    rows : (n, 4) float64
+        x, y, r in the caller's coordinates, and the weight, not multiplied.
+    """
+    c = axis.curves
+    degree = int(c.degree[segment])
+    at = np.arange(c.knot_start[segment], c.knot_start[segment + 1] - 1)
+    begin, end = c.knots[at], c.knots[at + 1]
+    kept = (begin < end) & (begin < t1) & (end > t0)
+    at, begin, end = at[kept], begin[kept], end[kept]
+    spans = _cut(axis, at, np.full(len(at), segment), degree)
+    spans[-1] = _restricted(spans[-1], 0.0, (t1 - begin[-1]) / (end[-1] - begin[-1]) if t1 < end[-1] else 1.0)
+    if t0 > begin[0]:
+        last = min(t1, float(end[0]))
+        spans[0] = _restricted(spans[0], (t0 - begin[0]) / (last - begin[0]), 1.0)
+    rows = np.concatenate((spans[:, :-1].reshape(-1, 4), spans[-1:, -1]))
+    rows[:, :3] /= rows[:, 3:]
+    rows[:, :3] /= axis.table.scale
+    rows[:, :2] += axis.table.origin
+    inner = (begin[1:] - t0) / (t1 - t0)
+    knots = np.concatenate((np.zeros(degree + 1), np.repeat(inner, degree), np.ones(degree + 1)))
+    return degree, knots, rows
+
+
+def _places(axis: MedialAxis) -> tuple[Ints, Ints]:
+    """(index of its first knot, segment) of every knot span that has a length."""
+    c = axis.curves
+    owner = np.repeat(np.arange(len(c.degree)), np.diff(c.knot_start))
+    at = np.nonzero((c.knots[:-1] < c.knots[1:]) & (owner[:-1] == owner[1:]))[0]
+    return at, owner[at]
+
+
+def _cut(axis: MedialAxis, at: Ints, segment: Ints, degree: int) -> Floats:
+    """Bezier rows (m, degree + 1, 4) of the spans after knots `at` of segments of one degree."""
+    c = axis.curves
+    first = c.cp_start[segment] + at - c.knot_start[segment] - degree
+    local = c.cp[first[:, None] + np.arange(degree + 1)]
+    local = np.concatenate((local[..., :3] * local[..., 3:], local[..., 3:]), axis=2)
+    return _blossoms(local, c.knots[at[:, None] + np.arange(1 - degree, degree + 1)], degree)
+
+
+def _restricted(rows: Floats, s0: float, s1: float) -> Floats:
+    """Bezier rows (p + 1, d) over [s0, s1] in [0, 1], by convex steps."""
+    out, p = rows.copy(), len(rows) - 1
+    for r in range(1, p + 1):
+        for i in range(p, r - 1, -1):
+            out[i] = (1.0 - s1) * out[i - 1] + s1 * out[i]
+    share = s0 / s1
+    for r in range(1, p + 1):
+        for i in range(p - r + 1):
+            out[i] = (1.0 - share) * out[i] + share * out[i + 1]
+    return out
 
 
 def _blossoms(rows: Floats, knots: Floats, degree: int) -> Floats:

@@ -1,8 +1,8 @@
 """How thick a domain is along its axis, where it is thinnest, and which boundary lies on walls thinner than a limit.
 
 The thickness at a boundary point is the diameter of the maximal disc that touches there. Taken alone that goes to zero into
-every convex corner, where nobody would speak of a wall. So a disc counts as *wall* where two of its contacts face each other: seen
-from its centre they stand at least `angle` apart,
+every convex corner, where nobody would speak of a wall. So a disc counts as *wall* where two of its contacts face each other:
+seen from its centre they stand at least `angle` apart,
 
         ______x______                          x        x  contacts        theta  the angle between them
              /|\\                              /
@@ -27,12 +27,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.analysis.bernstein import derivative, product, sign_changes
 from mat_core.analysis.inscribed import discs_of, find_tops, terrain
-from mat_core.analysis.intervals import Intervals, containing, intersection, joined
+from mat_core.analysis.intervals import Intervals, containing, intersection
 from mat_core.analysis.places import AxisDisc, disc_at_node, discs_inside, radius_noise
 from mat_core.analysis.radii import RadiusArcs, radius_arcs, radius_intervals
-from mat_core.analysis.spans import cut_spans
+from mat_core.analysis.slopes import slope_intervals
 from mat_core.analysis.touching import BoundaryInterval, facing_discs, touched
 from mat_core.axis import MedialAxis
 from mat_core.errors import UnsupportedOption
@@ -41,7 +40,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 WALL_ANGLE = math.radians(150.0)  # sides that open by less than 30 degrees are a wall
-GRAZE = 1e-9  # of dr/ds: sides that open by exactly the angle are a wall whatever rounding says
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +146,7 @@ def width(axis: MedialAxis, limit: float | None = None, *, angle: float = WALL_A
     if not 0.0 <= angle <= math.pi:
         raise UnsupportedOption("angle", f"{angle} is not between 0 and pi radians")
     arcs = radius_arcs(axis)
-    stretches = wall_intervals(axis, angle)
+    stretches = slope_intervals(axis, math.cos(0.5 * angle))
     walls, places = _walls(axis, stretches, arcs)
     facing = facing_discs(axis, angle)
     thin = None
@@ -156,34 +154,6 @@ def width(axis: MedialAxis, limit: float | None = None, *, angle: float = WALL_A
         below = intersection(stretches, radius_intervals(axis, high=0.5 * limit, arcs=arcs))
         thin = touched(axis, below, facing[axis.skeleton.disc[facing, 2] / axis.table.scale <= 0.5 * limit])
     return Width(_minimum(axis, walls, places, facing), _necks(axis, arcs), walls, thin, float(angle), limit)
-
-
-def wall_intervals(axis: MedialAxis, angle: float) -> Intervals:
-    """Where along the segments both footpoints stand at least `angle` apart.
-
-    On a span with X = (x, y, r) W / W the derivatives are X' = N / W^2, N = (W X)' W - (W X) W', and the condition
-    |dr/ds| <= c = cos(angle / 2) reads c^2 (Nx^2 + Ny^2) - Nr^2 >= 0.
-    """
-    spans = cut_spans(axis)
-    weight = spans.rows[:, :, 3]
-    steepest = math.cos(0.5 * angle) + GRAZE
-    margin = np.zeros((len(weight), 4 * weight.shape[1] - 5))
-    for column, factor in ((0, steepest**2), (1, steepest**2), (2, -1.0)):
-        # from the span's start, which loses no digits on a short one
-        own = spans.rows[:, :, column] - spans.rows[:, :1, column] / weight[:, :1] * weight
-        slope = product(derivative(own), weight) - product(own, derivative(weight))
-        margin += factor * product(slope, slope)
-    row, s = sign_changes(margin)
-    begin, end = spans.t[row, 0], spans.t[row, 1]
-    segment = np.concatenate((spans.segment, spans.segment, spans.segment[row]))
-    t = np.concatenate((spans.t[:, 0], spans.t[:, 1], begin + s * (end - begin)))
-    order = np.lexsort((t, segment))
-    segment, t = segment[order], t[order]
-    gaps = np.nonzero((segment[1:] == segment[:-1]) & (t[1:] > t[:-1]))[0]
-    segment, t = segment[gaps], np.column_stack((t[gaps], t[gaps + 1]))
-    d = axis.evaluate(segment, t.mean(axis=1))
-    wall = np.abs(d[:, 5]) <= steepest * np.hypot(d[:, 3], d[:, 4])
-    return joined(segment[wall], t[wall])
 
 
 def _walls(axis: MedialAxis, stretches: Intervals, arcs: RadiusArcs) -> tuple[tuple[Wall, ...], Floats]:
