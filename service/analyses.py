@@ -341,6 +341,8 @@ class CenterlineAnswer(AnalysisAnswer):
 class PruneArguments(Request):
     """What to cut; at least one rule."""
 
+    model_config = ConfigDict(strict=True, extra="forbid", json_schema_extra={"minProperties": 1})
+
     angle: Annotated[
         float, Field(ge=0, le=math.pi, description="radians: from the tips to the first disc whose contacts stand this far apart")
     ] | None = None
@@ -359,7 +361,7 @@ class PruneRequest(AnalysisRequest):
 
     model_config = ConfigDict(strict=True, extra="forbid", title="PruneRequest")
 
-    arguments: PruneArguments | None = None
+    arguments: PruneArguments
 
 
 class PrunedNode(Answer):

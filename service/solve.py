@@ -172,7 +172,8 @@ def _read(body: bytes, operation: Operation | None) -> tuple[mat_core.Domain, di
     arguments: dict[str, Any] = {}
     problems: list[mat_core.Problem] = []
     if operation is not None and isinstance(content, dict):
-        arguments = read_arguments(operation.arguments, content.pop("arguments", None), problems)
+        given = content.pop("arguments", None)
+        arguments = read_arguments(operation.arguments, given, problems, operation.at_least_one)
     try:
         domain = mat_core.Domain.from_dict(content)
     except mat_core.InvalidDomain as invalid:

@@ -93,7 +93,9 @@ def _is_point(value: object) -> bool:
     return all((v := as_number(c)) is not None and math.isfinite(v) and abs(v) <= LARGEST for c in pair)
 
 
-def read_arguments(rules: Mapping[str, Argument], value: object, problems: list[Problem]) -> dict[str, Any]:
+def read_arguments(
+    rules: Mapping[str, Argument], value: object, problems: list[Problem], at_least_one: bool = False
+) -> dict[str, Any]:
     """The arguments of a document: those given and sound.
 
     Parameters
@@ -104,6 +106,8 @@ def read_arguments(rules: Mapping[str, Argument], value: object, problems: list[
         Member ``arguments`` of the document; None where there is none.
     problems : list of Problem
         Grows by one for each fault.
+    at_least_one : bool
+        Whether none at all is a fault.
 
     Returns
     -------
@@ -114,6 +118,8 @@ def read_arguments(rules: Mapping[str, Argument], value: object, problems: list[
         problems.append(Problem(CODE, AT, f"arguments must be an object, not {describe(value)}"))
         return {}
     given = dict(value or {})
+    if at_least_one and all(given.get(name) is None for name in rules):
+        problems.append(Problem(CODE, AT, f"no argument is given; give at least one of {', '.join(rules)}"))
     for name in given:
         if not isinstance(name, str) or name not in rules:
             known = f"known are {', '.join(rules)}" if rules else "this operation takes none"

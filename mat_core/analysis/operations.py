@@ -50,6 +50,8 @@ class Operation:
         The curves in a result, head to tail along each path, where it can be drawn.
     encloses : bool
         Whether these paths bound regions.
+    at_least_one : bool
+        Whether some argument must be given, whichever.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Operation:
     arguments: Mapping[str, Argument] = field(default_factory=dict)
     paths: Callable[[Any], list[list[RationalBSpline]]] | None = None
     encloses: bool = False
+    at_least_one: bool = False
 
 
 def _loops(result: Offset) -> list[list[RationalBSpline]]:
@@ -120,6 +123,7 @@ OPERATIONS = {
                 "scale": number(1.0),
             },
             _kept,
+            at_least_one=True,
         ),
         Operation("reconstruct", reconstruct, paths=_boundary, encloses=True),
         Operation("centerline", centerline, {"extend": truth_value()}, _path),

@@ -89,6 +89,15 @@ def test_null_is_absence_where_nothing_is_required() -> None:
     assert read({"angle": None}, {"angle": number()}) == ({}, [])
 
 
+@pytest.mark.parametrize("value", [None, {}, {"angle": None}])
+def test_some_operations_want_at_least_one(value: object) -> None:
+    problems: list[Problem] = []
+    rules = {"angle": number(), "length": number()}
+    assert read_arguments(rules, value, problems, at_least_one=True) == {}
+    assert [(p.pointer, p.message[-34:]) for p in problems] == [("/arguments", "give at least one of angle, length")]
+    assert read_arguments(rules, {"length": 1}, [], at_least_one=True) == {"length": 1.0}
+
+
 def test_an_operation_without_arguments_says_so() -> None:
     _, (problem,) = read({"x": 1}, {})
     assert problem.message.endswith("this operation takes none")

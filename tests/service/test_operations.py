@@ -56,7 +56,7 @@ def test_the_table_is_that_of_the_library() -> None:
         assert set(model.model_fields) == set(own.arguments)
         required = {argument for argument, rule in own.arguments.items() if rule.required}
         assert {key for key, member in model.model_fields.items() if member.is_required()} == required
-        assert field.is_required() == bool(required)
+        assert field.is_required() == (bool(required) or own.at_least_one)
 
 
 def is_model(kind: Any) -> bool:
@@ -102,6 +102,11 @@ def test_what_must_be_given(live: httpx2.Client) -> None:
         required = {f"/arguments/{argument}": "invalid-request" for argument, rule in own.arguments.items() if rule.required}
         if required:
             assert problems(post(live, name, PLATE)) == problems(post(live, name, PLATE | {"arguments": {}})) == required
+
+
+@pytest.mark.parametrize("body", [{}, {"arguments": {}}, {"arguments": None}, {"arguments": {"angle": None}}])
+def test_at_least_one_rule_to_prune_by(live: httpx2.Client, body: Any) -> None:
+    assert problems(post(live, "prune", PLATE | body)) == {"/arguments": "invalid-request"}
 
 
 def test_the_axis_itself_takes_no_arguments(live: httpx2.Client) -> None:
