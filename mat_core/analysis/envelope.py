@@ -36,6 +36,7 @@ Flags = NDArray[np.bool_]
 
 POINTED = 1e-9  # 1 - r'^2 below this at an end is 0: a centre of curvature
 NOTHING = 1e-14  # normalised: pieces this short have no sides
+DISCS = 9  # looked at along an item
 PLAIN, FROM_START, FROM_END = 0, 1, 2  # how v runs along t
 
 
@@ -81,6 +82,11 @@ class Envelope:
                          np.arctan2(root, -d[:, 2]).reshape(n, 2))
         self.right = self._fit(1.0, tolerance)
         self.left = self._fit(-1.0, tolerance)
+
+    def discs(self, item: int) -> Floats:
+        """Some discs (n, 3) along an item."""
+        v = np.linspace(0.0, 1.0, DISCS)
+        return self._frames(np.full(DISCS, item), v)[0]
 
     def _fit(self, side: float, tolerance: float) -> Fits:
         return fit(lambda i, v: self._side(i, v, side)[0], lambda i, v: self._side(i, v, side)[1],
