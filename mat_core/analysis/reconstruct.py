@@ -39,6 +39,7 @@ NEARLY_POINT = 1e-5  # normalised: a side that stays within so much of its start
 POINT = 4.0  # errors of the axis by which discs may miss a vertex
 ILL_POSED = 1e-3  # directions told apart less than this, relative, do not move a vertex
 GAUSS_STEPS = 3
+LONGEST_LEAD = 0.5  # of a Bezier's parameter: how far its end may be led along itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,27 +276,55 @@ class _Rebuilder:
 
 def _closed(edges: list[_Edge]) -> list[RationalBSpline]:
     """Splines of the edges; each ends where the next begins, at the vertex between them or halfway."""
-    curves: list[RationalBSpline] = []
-    after: list[Floats | None] = []
+    drawn = [edge for edge in edges if edge.vertex is None]
+    vertices = _vertices_after(edges)
+    curves = [edge.arc for edge in drawn]
+    ends = [(c.control_points[0], c.control_points[-1]) if c else (e.pieces[0][0], e.pieces[-1][-1])
+            for c, e in zip(curves, drawn, strict=True)]
+    places = [vertex if vertex is not None else 0.5 * (ends[n][1] + ends[(n + 1) % len(ends)][0])
+              for n, vertex in enumerate(vertices)]
+    out = []
+    for n, (edge, curve) in enumerate(zip(drawn, curves, strict=True)):
+        start, end = places[n - 1], places[n]
+        if curve is None:
+            pieces = edge.pieces
+            pieces[0] = _led_to(pieces[0][::-1], start)[::-1]
+            pieces[-1] = _led_to(pieces[-1], end)
+            for a, b in pairwise(pieces):
+                a[-1] = b[0] = 0.5 * (a[-1] + b[0])
+            knots, control = join(pieces)
+            curve = RationalBSpline(len(pieces[0]) - 1, knots, control, np.ones(len(control)))
+        curve.control_points[0], curve.control_points[-1] = start, end
+        out.append(curve)
+    return out
+
+
+def _vertices_after(edges: list[_Edge]) -> list[Floats | None]:
+    """For each edge that is drawn the vertex that follows it, if one does."""
+    found: list[Floats | None] = []
     leading: Floats | None = None
     for edge in edges:
-        if edge.vertex is not None:
-            if after:
-                after[-1] = edge.vertex
-            else:
-                leading = edge.vertex
-            continue
-        curve = edge.arc
-        if curve is None:
-            for a, b in pairwise(edge.pieces):
-                a[-1] = b[0] = 0.5 * (a[-1] + b[0])
-            knots, control = join(edge.pieces)
-            curve = RationalBSpline(len(edge.pieces[0]) - 1, knots, control, np.ones(len(control)))
-        curves.append(curve)
-        after.append(None)
-    if leading is not None and after[-1] is None:
-        after[-1] = leading
-    for p, q, vertex in zip(curves, curves[1:] + curves[:1], after, strict=True):
-        place = vertex if vertex is not None else 0.5 * (p.control_points[-1] + q.control_points[0])
-        p.control_points[-1] = q.control_points[0] = place
-    return curves
+        if edge.vertex is None:
+            found.append(None)
+        elif found:
+            found[-1] = edge.vertex
+        else:
+            leading = edge.vertex
+    if leading is not None and found[-1] is None:
+        found[-1] = leading
+    return found
+
+
+def _led_to(control: Floats, place: Floats) -> Floats:
+    """A Bezier cut off or drawn out along itself to where it is nearest to a place: both sides of a disc's joint meet so."""
+    leave = (len(control) - 1) * (control[-1] - control[-2])
+    speed_sq = float(leave @ leave)
+    more = float((place - control[-1]) @ leave) / speed_sq if speed_sq > 0.0 else 0.0
+    if not 0.0 < abs(more) < LONGEST_LEAD:
+        return control
+    out = control.copy()
+    row = control
+    for i in range(1, len(control)):
+        row = row[:-1] + (1.0 + more) * (row[1:] - row[:-1])
+        out[i] = row[0]
+    return out
