@@ -54,30 +54,35 @@ def farthest(from_curves: list[Pieces], to_curves: list[Pieces]) -> float:
     """Largest distance of points of the first curves from the second ones."""
     v = np.linspace(0.0, 1.0, SAMPLES)
     points = np.concatenate([_sampled(group, v)[2] for group in from_curves])
-    starts, ends, owner, piece, first = [], [], [], [], []
-    v = np.linspace(0.0, 1.0, CHORDS + 1)
-    for g, group in enumerate(to_curves):
-        which, at, found = _sampled(group, v)
-        chords = np.flatnonzero(at < 1.0)
-        starts.append(found[chords])
-        ends.append(found[chords + 1])
-        owner.append(np.full(len(chords), g))
-        piece.append(which[chords])
-        first.append(at[chords])
-    a, b = np.concatenate(starts), np.concatenate(ends)
-    tree = shapely.STRtree(shapely.linestrings(np.stack((a, b), axis=1)))
-    near = tree.nearest(shapely.points(points))
-    chord = b[near] - a[near]
+    chords = [_chords(group) for group in to_curves]
+    ends, bulge, piece, first = (np.concatenate(columns) for columns in zip(*chords, strict=True))
+    owner = np.repeat(np.arange(len(chords)), [len(c[1]) for c in chords])
+    tree = shapely.STRtree(shapely.linestrings(ends))
+    where = shapely.points(points)
+    reach = shapely.distance(where, tree.geometries[tree.nearest(where)])
+    # a curve may be nearer than its chord: all whose bulge could make them the nearest
+    point, near = tree.query(where, predicate="dwithin", distance=reach + 2.0 * float(bulge.max()))
+    apart = shapely.distance(where[point], tree.geometries[near])
+    likely = apart <= reach[point] + bulge[near] + float(bulge.max()) * (apart > 0.0)
+    point, near = point[likely], near[likely]
+    chord = ends[near, 1] - ends[near, 0]
     length = np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
-    share = np.clip(((points - a[near]) * chord).sum(axis=1) / length, 0.0, 1.0)
-    v0 = np.concatenate(first)[near] + share / CHORDS
-    groups, pieces = np.concatenate(owner)[near], np.concatenate(piece)[near]
-    worst = 0.0
+    share = np.clip(((points[point] - ends[near, 0]) * chord).sum(axis=1) / length, 0.0, 1.0)
+    best = np.full(len(points), np.inf)
     for g, group in enumerate(to_curves):
-        own = groups == g
-        if own.any():
-            worst = max(worst, float(_foot_distance(group, pieces[own], v0[own], points[own]).max()))
-    return worst
+        own = owner[near] == g
+        v0 = first[near[own]] + share[own] / CHORDS
+        np.minimum.at(best, point[own], _foot_distance(group, piece[near[own]], v0, points[point[own]]))
+    return float(best.max())
+
+
+def _chords(group: Pieces) -> tuple[Floats, Floats, Ints, Floats]:
+    """Chords of a flattening: ends (n, 2, 2), how far the curve bulges from each, piece, v at the start."""
+    which, at, found = _sampled(group, np.linspace(0.0, 1.0, CHORDS + 1))
+    begins = np.flatnonzero(at < 1.0)
+    ends = np.stack((found[begins], found[begins + 1]), axis=1)
+    middle = group.evaluate(which[begins], at[begins] + 0.5 / CHORDS)[0]
+    return ends, 2.0 * np.hypot(*(middle - ends.mean(axis=1)).T), which[begins], at[begins]
 
 
 def _sampled(group: Pieces, v: Floats) -> tuple[Ints, Floats, Floats]:

@@ -34,8 +34,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-POINTED = 1e-9  # 1 - r'^2 below this at an end is 0: a centre of curvature
+POINTED = 1e-9  # 1 - r'^2 below this at an end is 0: a centre of curvature; of the slope of Q likewise
 NOTHING = 1e-14  # normalised: pieces this short have no sides
+DISCS = 9  # looked at along an item
 PLAIN, FROM_START, FROM_END = 0, 1, 2  # how v runs along t
 
 
@@ -82,6 +83,11 @@ class Envelope:
         self.right = self._fit(1.0, tolerance)
         self.left = self._fit(-1.0, tolerance)
 
+    def discs(self, item: int) -> Floats:
+        """Some discs (n, 3) along an item."""
+        v = np.linspace(0.0, 1.0, DISCS)
+        return self._frames(np.full(DISCS, item), v)[0]
+
     def _fit(self, side: float, tolerance: float) -> Fits:
         return fit(lambda i, v: self._side(i, v, side)[0], lambda i, v: self._side(i, v, side)[1],
                    len(self.items.piece), tolerance)
@@ -97,8 +103,7 @@ class Envelope:
                 continue
             leg = (n * (rows[p, 1, :2] - rows[p, 0, :2]), n * (rows[p, n, :2] - rows[p, n - 1, :2]))
             free = bool((rows[p, :, 3] == 1.0).all())
-            start = free and bool(q[p][0] <= POINTED * (leg[0] ** 2).sum())
-            end = free and bool(q[p][-1] <= POINTED * (leg[1] ** 2).sum())
+            start, end = (free and _pointed(q[p][::way], float((leg[k] ** 2).sum())) for k, way in ((0, 1), (1, -1)))
             if start and end:
                 items += [(p, 0.0, 0.5, FROM_START), (p, 0.5, 1.0, FROM_END)]
             else:
@@ -178,5 +183,16 @@ class Envelope:
         width = (self.items.t1 - self.items.t0)[item]
         rate = np.where(mode == PLAIN, width, 2.0 * ahead * width)
         bend = (dd[:, :2] * e).sum(axis=1) + dd[:, 2]
-        along = side * root * rate - side * x[:, 2] * bend / np.maximum(ratio, np.finfo(float).tiny)
+        # sides that part like t, not like sqrt(t), do not move with v^2 at first
+        swing = np.divide(bend, ratio, out=np.zeros_like(bend), where=ratio > 0.0)
+        along = side * (root * rate - x[:, 2] * swing)
         return x[:, :2] + x[:, 2:] * e, along[:, None] * np.column_stack((-e[:, 1], e[:, 0]))
+
+
+def _pointed(q: Floats, speed_sq: float) -> bool:
+    """Whether Q is 0 at the start of its coefficients; a first slope that is 0 but for rounding is put to 0."""
+    if len(q) < 3 or q[0] > POINTED * speed_sq:
+        return False
+    if q[1] <= POINTED * speed_sq:
+        q[1] = 0.0
+    return True

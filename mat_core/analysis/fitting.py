@@ -28,6 +28,7 @@ Curves = Callable[[Ints, Floats], Floats]  # (curve (n,), v (n,)) -> (n, 2)
 SAFETY = 1.5  # stated error over the largest measured one
 FINE = 5e-8  # from here down degree 7 needs fewer pieces than degree 5 (normalised lengths)
 ROUNDS = 24  # of halving: intervals of 1e-7 of their curve are not halved any more
+SLOW = 0.02  # an end with a leg this short, relative to the chord, has no speed; a straight cubic's has 0.33
 NOISE = 1e-13  # an error this small is never halved away
 LOST = 1e-11  # nor one this small that halving the piece left at
 STALLED = 0.25  # of what it was, and more
@@ -75,7 +76,7 @@ def _scheme(m: int) -> tuple[Floats, Floats, Floats]:
     return np.concatenate((nodes, checks)), matrix, bernstein(n, checks)
 
 
-def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, shape: float | None = None) -> Fits:
+def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, regular: bool = False) -> Fits:
     """Fit the curves P_i(v), v in [0, 1], for i in range(curves).
 
     Parameters
@@ -85,8 +86,8 @@ def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, shap
     curves : int
     tolerance : float
         Largest error; what rounding keeps above it states the larger one.
-    shape : float, optional
-        Largest error relative to a piece's chord.
+    regular : bool
+        Where a curve begins or ends without speed, the fit does not: its last bit, shorter than the tolerance, is straight.
 
     Returns
     -------
@@ -114,10 +115,15 @@ def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, shap
         control[:, -1:], control[:, -2:-1] = last, last - legs[:, 1:]
         miss = np.einsum("ij,kjc->kic", basis, control) - found[:, m + 1 : -1]
         error = SAFETY * np.sqrt((miss**2).sum(axis=2).max(axis=1))
-        # a piece that begins without speed shrinks faster than its parameter: it keeps its shape, too
         good = error <= tolerance
-        if shape is not None:
-            good &= error <= np.maximum(shape * np.hypot(*(last - first)[:, 0].T), NOISE)
+        if regular:
+            chord = np.hypot(*(last - first)[:, 0].T)
+            slow = np.hypot(legs[:, :, 0], legs[:, :, 1]).min(axis=1) < SLOW * chord
+            good &= ~slow
+            short = slow & (chord <= max(tolerance, NOISE))
+            control[short] = (first + (last - first) * np.linspace(0.0, 1.0, m + 4)[:, None])[short]
+            error[short] = chord[short]
+            good |= short
         # halving helps no more: what is left is the rounding of the points themselves
         good |= (error <= LOST) & (error >= STALLED * before)
         if remaining == 0:

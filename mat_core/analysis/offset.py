@@ -45,6 +45,7 @@ Flags = NDArray[np.bool_]
 
 NECK = 1e-12  # normalised: discs must be larger than d by so much; see above
 FARTHEST = 1e6  # of the size, outward: seen from farther away the domain loses its shape to rounding
+NECK_ULPS = 4.0  # of the largest coordinate, or by so much: walls are no better known
 TOLERANCE_RANGE = (1e-13, 0.1)  # relative, of fitted edges
 
 
@@ -252,6 +253,8 @@ class InwardOffsets:
     def __init__(self, axis: MedialAxis) -> None:
         self.axis = axis
         self.strips: Strips = list_strips(axis)
+        largest = max(abs(v) for v in axis.domain.bbox)
+        self.neck = max(NECK, NECK_ULPS * math.ulp(largest) * axis.table.scale)
         # intervals that tile the boundary: right and left sides of strips in turn, then whole-arc contacts
         k, s = axis.skeleton, self.strips
         n = len(s.disc)
@@ -267,10 +270,10 @@ class InwardOffsets:
         """The regions of points farther than `distance` from the boundary; lengths in the caller's unit."""
         table = self.axis.table
         d = distance * table.scale
-        above = self.axis.skeleton.disc[:, 2] > d + NECK
+        above = self.axis.skeleton.disc[:, 2] > d + self.neck
         if not above.any():
             return ()
-        corners = find_corners(self.axis, self.strips, d, d + NECK, above)
+        corners = find_corners(self.axis, self.strips, d, d + self.neck, above)
         arcs, pairs = self._arcs(above, corners)
         loops = self._loops(arcs, len(corners.strip))
         part = _parts(len(arcs), loops, pairs)

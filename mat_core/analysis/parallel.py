@@ -33,7 +33,6 @@ Ints = NDArray[np.int64]
 SAME_LINE = 1e-13  # radians by which two lines or smooth curves in one may turn
 SAME_CIRCLE = 1e-12  # relative difference of two curvatures on one circle
 QUARTER = 0.5 * math.pi * (1.0 + 1e-9)  # radians that one rational quadratic turns by at most
-SHAPE = 1e-2  # of its chord: a fitted piece's largest error; where d is a radius of curvature they shrink to nothing
 NOTHING = 1e-12  # normalised: an edge this short is none; nearer points are one to `Domain`, too
 KINDS = {LINE: "line", ARC: "arc", FAN: "arc", SPIRAL: "spline"}
 
@@ -167,7 +166,7 @@ def _fit_all(
         rows = [parallel(table, i, s, distance)[2:] for i, s in zip(site[curve].tolist(), at(curve, v).tolist(), strict=True)]
         return np.array(rows).reshape(-1, 2) * (s1 - s0)[curve, None]
 
-    return fit(points, derivatives, len(free), tolerance, SHAPE), first
+    return fit(points, derivatives, len(free), tolerance, regular=True), first
 
 
 def _draw_loop(

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,7 +35,11 @@ Ints = NDArray[np.int64]
 
 FIT_SHARE = 0.1  # of the axis's tolerance, for the curves of the boundary
 SNAP = 1e-9  # normalised: a shorter arc is rounding of e, which moves along the boundary only
-POINT = 4.0  # fitting errors a side must be larger than to be a curve and not a vertex
+NEARLY_POINT = 1e-5  # normalised: a side that stays within so much of its start may be a vertex
+POINT = 4.0  # errors of the axis by which discs may miss a vertex
+ILL_POSED = 1e-3  # directions told apart less than this, relative, do not move a vertex
+GAUSS_STEPS = 3
+LONGEST_LEAD = 0.5  # of a Bezier's parameter: how far its end may be led along itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +87,14 @@ class _Side(NamedTuple):
 
     item: int
     sense: int
+
+
+class _Edge(NamedTuple):
+    """A part of a loop: Beziers in a row, or an arc, or nothing but a vertex that its neighbours meet in."""
+
+    pieces: list[Floats]
+    arc: RationalBSpline | None
+    vertex: Floats | None
 
 
 class _Gap(NamedTuple):
@@ -134,18 +147,17 @@ def reconstruct(axis: MedialAxis) -> Reconstruction:
 
 def _circle(axis: MedialAxis) -> list[list[RationalBSpline]]:
     """The boundary of a disc, whose axis is a point."""
-    return [[_arc_about(axis.skeleton.disc[axis.runs.node_disc[0]], 0.0, 2.0 * math.pi, None, None)]]
+    disc = axis.skeleton.disc[axis.runs.node_disc[0]]
+    edge = _Edge([], _arc_about(disc, disc[:2] + (disc[2], 0.0), 2.0 * math.pi), None)
+    return [_closed([edge])]
 
 
-def _arc_about(disc: Floats, start: float, turn: float, p: Floats | None, q: Floats | None) -> RationalBSpline:
-    """An arc of a disc from a direction on, anticlockwise; its ends put at p and q if they are given."""
+def _arc_about(disc: Floats, begin: Floats, turn: float) -> RationalBSpline:
+    """An arc of a disc from a point of it on, anticlockwise."""
     spans = max(math.ceil(turn / QUARTER), 1)
-    angle = start + turn * np.arange(spans + 1) / spans
+    x, y = begin - disc[:2]
+    angle = math.atan2(y, x) + turn * np.arange(spans + 1) / spans
     ends = disc[:2] + disc[2] * np.column_stack((np.cos(angle), np.sin(angle)))
-    if p is not None and q is not None:
-        ends[0], ends[-1] = p, q
-    else:
-        ends[-1] = ends[0]
     knots, control, weights = arc_spline(ends, np.full(spans, turn / spans))
     return RationalBSpline(2, knots, control, weights)
 
@@ -216,55 +228,103 @@ class _Rebuilder:
         return _Gap(between - own_a - own_b, 0.5 * (ends.disc[a.item, i] + ends.disc[b.item, j]))
 
     def _controls(self, side: _Side) -> list[Floats]:
-        """Beziers of one side, in the direction of the boundary; none where it stays in one point."""
+        """Beziers of one side, in the direction of the boundary."""
         fits = self.envelope.right if side.sense > 0 else self.envelope.left
         rows = fits.of(side.item)
         control = fits.control[rows]
-        reach = float(np.abs(control - control[0, 0]).max())
-        if reach <= POINT * max(float(fits.error[rows].max()), float(self.axis.curves.max_error.max())):
-            return []
         pieces = [control[k].copy() for k in range(len(control))]
         return pieces if side.sense > 0 else [piece[::-1].copy() for piece in reversed(pieces)]
 
+    def _vertex(self, side: _Side) -> Floats | None:
+        """The point that all discs of an item pass through on one side, if there is one.
+
+        Errors of e move p across such a point to first order, so it is found from centres and radii: |c - V| = r.
+        """
+        fits = self.envelope.right if side.sense > 0 else self.envelope.left
+        control = fits.control[fits.of(side.item)].reshape(-1, 2)
+        if np.abs(control - control[0]).max() > NEARLY_POINT:
+            return None
+        discs = self.envelope.discs(side.item)
+        vertex = control.mean(axis=0)
+        for _ in range(GAUSS_STEPS):
+            away = vertex - discs[:, :2]
+            distance = np.maximum(np.hypot(away[:, 0], away[:, 1]), np.finfo(float).tiny)
+            vertex = vertex - np.linalg.lstsq(away / distance[:, None], distance - discs[:, 2], rcond=ILL_POSED)[0]
+        misses = np.abs(np.hypot(*(vertex - discs[:, :2]).T) - discs[:, 2])
+        return vertex if misses.max() <= POINT * float(self.axis.curves.max_error.max()) else None
+
     def _draw(self, chain: list[_Side]) -> list[RationalBSpline]:
         """One loop of curves, ends joined."""
-        edges: list[list[Floats] | RationalBSpline] = []
-        gaps = [self._gap(a, b) for a, b in zip(chain, chain[1:] + chain[:1], strict=True)]
+        edges: list[_Edge] = []
         smooth = False
-        for side, gap in zip(chain, gaps, strict=True):
-            pieces = self._controls(side)
-            if pieces and smooth and isinstance(edges[-1], list):
-                edges[-1] += pieces
-            elif pieces:
-                edges.append(pieces)
-            smooth = bool(pieces) and abs(gap.turn) * gap.disc[2] <= SNAP and gap.disc[2] > SNAP
+        for side, after in zip(chain, chain[1:] + chain[:1], strict=True):
+            gap = self._gap(side, after)
+            vertex = self._vertex(side)
+            if vertex is not None:
+                edges.append(_Edge([], None, vertex))
+            elif smooth:
+                edges[-1].pieces.extend(self._controls(side))
+            else:
+                edges.append(_Edge(self._controls(side), None, None))
+            smooth = vertex is None and abs(gap.turn) * gap.disc[2] <= SNAP < gap.disc[2]
+            smooth = smooth and self._vertex(after) is None
             if gap.turn * gap.disc[2] > SNAP:
-                fits = self.envelope.right if side.sense > 0 else self.envelope.left
-                rows = fits.of(side.item)
-                p = fits.control[rows][-1, -1] if side.sense > 0 else fits.control[rows][0, 0]
-                start = math.atan2(p[1] - gap.disc[1], p[0] - gap.disc[0])
-                edges.append(_arc_about(gap.disc, start, gap.turn, p, None if False else _on(gap.disc, start + gap.turn)))
+                p = vertex if vertex is not None else edges[-1].pieces[-1][-1]
+                edges.append(_Edge([], _arc_about(gap.disc, p, gap.turn), None))
         return _closed(edges)
 
 
-def _on(disc: Floats, angle: float) -> Floats:
-    """The point of a disc in a direction."""
-    return np.array([disc[0] + disc[2] * math.cos(angle), disc[1] + disc[2] * math.sin(angle)])
+def _closed(edges: list[_Edge]) -> list[RationalBSpline]:
+    """Splines of the edges; each ends where the next begins, at the vertex between them or halfway."""
+    drawn = [edge for edge in edges if edge.vertex is None]
+    vertices = _vertices_after(edges)
+    curves = [edge.arc for edge in drawn]
+    ends = [(c.control_points[0], c.control_points[-1]) if c else (e.pieces[0][0], e.pieces[-1][-1])
+            for c, e in zip(curves, drawn, strict=True)]
+    places = [vertex if vertex is not None else 0.5 * (ends[n][1] + ends[(n + 1) % len(ends)][0])
+              for n, vertex in enumerate(vertices)]
+    out = []
+    for n, (edge, curve) in enumerate(zip(drawn, curves, strict=True)):
+        start, end = places[n - 1], places[n]
+        if curve is None:
+            pieces = edge.pieces
+            pieces[0] = _led_to(pieces[0][::-1], start)[::-1]
+            pieces[-1] = _led_to(pieces[-1], end)
+            for a, b in pairwise(pieces):
+                a[-1] = b[0] = 0.5 * (a[-1] + b[0])
+            knots, control = join(pieces)
+            curve = RationalBSpline(len(pieces[0]) - 1, knots, control, np.ones(len(control)))
+        curve.control_points[0], curve.control_points[-1] = start, end
+        out.append(curve)
+    return out
 
 
-def _closed(edges: list[list[Floats] | RationalBSpline]) -> list[RationalBSpline]:
-    """Splines of the edges, each end moved to the middle between it and the next one's start."""
-    curves = []
+def _vertices_after(edges: list[_Edge]) -> list[Floats | None]:
+    """For each edge that is drawn the vertex that follows it, if one does."""
+    found: list[Floats | None] = []
+    leading: Floats | None = None
     for edge in edges:
-        if isinstance(edge, RationalBSpline):
-            curves.append(edge)
-            continue
-        for before, after in zip(edge[:-1], edge[1:], strict=True):
-            middle = 0.5 * (before[-1] + after[0])
-            before[-1] = after[0] = middle
-        knots, control = join(edge)
-        curves.append(RationalBSpline(edge[0].shape[0] - 1, knots, control, np.ones(len(control))))
-    for a, b in zip(curves, curves[1:] + curves[:1], strict=True):
-        middle = 0.5 * (a.control_points[-1] + b.control_points[0])
-        a.control_points[-1] = b.control_points[0] = middle
-    return curves
+        if edge.vertex is None:
+            found.append(None)
+        elif found:
+            found[-1] = edge.vertex
+        else:
+            leading = edge.vertex
+    if leading is not None and found[-1] is None:
+        found[-1] = leading
+    return found
+
+
+def _led_to(control: Floats, place: Floats) -> Floats:
+    """A Bezier cut off or drawn out along itself to where it is nearest to a place: both sides of a disc's joint meet so."""
+    leave = (len(control) - 1) * (control[-1] - control[-2])
+    speed_sq = float(leave @ leave)
+    more = float((place - control[-1]) @ leave) / speed_sq if speed_sq > 0.0 else 0.0
+    if not 0.0 < abs(more) < LONGEST_LEAD:
+        return control
+    out = control.copy()
+    row = control
+    for i in range(1, len(control)):
+        row = row[:-1] + (1.0 + more) * (row[1:] - row[:-1])
+        out[i] = row[0]
+    return out
