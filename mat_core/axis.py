@@ -289,6 +289,7 @@ class MedialAxis:
             x, y, r and their derivatives by t.
         """
         c = self.curves
+        segment, t = np.ascontiguousarray(segment), np.ascontiguousarray(t)  # strided arrays would be compiled for anew
         out = np.empty((len(t), 6))
         spline_points(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, segment, t, self._work, np.empty(6), out)
         out /= self.table.scale
@@ -312,6 +313,7 @@ class MedialAxis:
         """
         c = self.curves
         k = self.skeleton
+        segment, t = np.ascontiguousarray(segment), np.ascontiguousarray(t)
         located = np.empty((5, len(t)))
         sites = np.empty((2, len(t)), dtype=np.int64)
         locate(self.table.si, self.table.sf, self.table.cp, k.strip_i, k.strip_s, c.degree, c.knot_start, c.knots,
@@ -344,7 +346,7 @@ class MedialAxis:
     def _feet(self, site: Ints, s: Floats) -> Floats:
         """(n, 4) rows x, y (normalised), u, direction of the normal."""
         out = np.empty((len(s), 4))
-        feet(self.table.si, self.table.sf, self.table.cp, site, s, out)
+        feet(self.table.si, self.table.sf, self.table.cp, np.ascontiguousarray(site), np.ascontiguousarray(s), out)
         return out
 
     @property

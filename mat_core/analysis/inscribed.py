@@ -8,7 +8,7 @@ all axis with radii above a level hangs together, until at a *neck* it meets wha
           |  /   \\    / \\      /   \\         the widest way out. The prominence of C is r(C) - r(n). Where axis closes
           | /     \\n_/   \\m___/     \\        round a hole at the sinking level, there is a neck between a part and itself.
 
-This is the merge tree of the radius on the graph (H. Edelsbrunner and J. Harer, "Computational Topology", VII.1, 2010), so
+This is the merge tree of the radius on the graph (H. Edelsbrunner and J. Harer, "Computational Topology", 2010, chapter VII), so
 a plateau is one maximum whatever the curves make of it, and nodes are treated as all other places.
 """
 

@@ -208,12 +208,14 @@ def _drop(p: _Pieces, square: Floats) -> tuple[_Pieces, Floats]:
     """Lower the squared bounds (m,) of the queries to what the pieces' ends reach; drop pieces that stay above them."""
     above, weight = _distance_rows(p)
     base = np.square(p.gap).sum(axis=1)
+    end = p.gap + p.offset[:, -1, :2] / p.offset[:, -1, 2:]  # not from S, which is less exact near a query
     square = square.copy()
     np.minimum.at(square, p.query, base)
-    np.minimum.at(square, p.query, base + above[:, -1] / weight[:, -1])
+    np.minimum.at(square, p.query, np.square(end).sum(axis=1))
     limit = square[p.query]
-    reach = base + (above / weight).min(axis=1)
-    return p.take(reach <= limit + SLACK * (np.sqrt(np.maximum(limit, 0.0)) + base) + SLACK**2), square
+    change = above / weight
+    rounding = SLACK * (base + np.abs(change).max(axis=1, initial=0.0) + limit)
+    return p.take(base + change.min(axis=1, initial=np.inf) <= limit + rounding), square
 
 
 def _halved(p: _Pieces) -> _Pieces:

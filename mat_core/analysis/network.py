@@ -163,12 +163,13 @@ def completeness(axis: MedialAxis) -> Completeness:
     node_of_disc = {int(d): n for n, d in enumerate(axis.runs.node_disc.tolist()) if degree[n] == 1}
     contacts = _contacts(axis)
     features = []
-    for site, radius in _expected(axis):
-        discs = contacts.get(site, [])
-        own = [d for d in discs if _fits(float(axis.skeleton.disc[d, 2]), radius) and d in node_of_disc]
+    for sites, radius in _expected(axis):
+        discs = [(site, d) for site in sites for d in contacts.get(site, [])]
+        own = [(site, d) for site, d in discs if _fits(float(axis.skeleton.disc[d, 2]), radius) and d in node_of_disc]
         state = "leaf" if own else "shared" if discs else "missing"
         kind = "curvature_maximum" if radius > 0.0 else "convex_vertex"
-        features.append(_feature(axis, site, kind, node_of_disc[own[0]] if own else None, state))
+        site, node = (own[0][0], node_of_disc[own[0][1]]) if own else (sites[0], None)
+        features.append(_feature(axis, site, kind, node, state))
     explained = {f.node for f in features}
     complete = all(f.state != "missing" for f in features) and explained.issuperset(leaves)
     return Completeness(complete, tuple(features), tuple(leaves))
@@ -191,8 +192,8 @@ def _contacts(axis: MedialAxis) -> dict[int, list[int]]:
     return found
 
 
-def _expected(axis: MedialAxis) -> list[tuple[int, float]]:
-    """(site, radius) of every joint that has a leaf to be looked for: 0 at a convex vertex, else the own radius of an LMPC.
+def _expected(axis: MedialAxis) -> list[tuple[list[int], float]]:
+    """(joints, radius) wherever a leaf is to be looked for: 0 at a convex vertex, else the own radius of an LMPC.
 
     Along a loop the curvature is a chain of values: of each site at its start and its end, infinite at a convex vertex, minus
     infinite in a normal fan. Equal neighbours are one; one that is positive and above both of its neighbours is an LMPC.
@@ -201,28 +202,29 @@ def _expected(axis: MedialAxis) -> list[tuple[int, float]]:
     vertex = si[:, CORNER] == CONVEX_VERTEX
     out = []
     for first, last in pairwise(starts):
-        chain: list[tuple[int, float]] = []  # the joint a value belongs to, or that its plateau begins at, and the value
+        chain: list[tuple[list[int], float]] = []  # the joints a value is met at, each named by the site that starts there
         for site in range(first, last):
             if vertex[site]:
-                chain.append((site, np.inf))
+                chain.append(([site], np.inf))
             _append(chain, site, float(sf[site, K0]))
             _append(chain, int(si[site, NEXT]), float(sf[site, K1]))
         while len(chain) > 1 and _same(chain[0][1], chain[-1][1]):
-            chain[0] = (chain.pop()[0], chain[0][1])
+            chain[0] = (chain.pop()[0] + chain[0][0], chain[0][1])
         n = len(chain)
-        for i, (site, value) in enumerate(chain):
+        for i, (sites, value) in enumerate(chain):
             if value == np.inf:
-                out.append((site, 0.0))
+                out.append((sites, 0.0))
             elif n > 1 and value > 0.0 and value > chain[i - 1][1] and value > chain[(i + 1) % n][1]:
-                out.append((site, 1.0 / value))
+                out.append((sites, 1.0 / value))
     return out
 
 
-def _append(chain: list[tuple[int, float]], site: int, value: float) -> None:
-    """A further value, unless it is the last one still: the plateau's first joint stays."""
+def _append(chain: list[tuple[list[int], float]], site: int, value: float) -> None:
+    """A further value, or a further joint of the last one."""
     if chain and _same(chain[-1][1], value):
-        return
-    chain.append((site, value))
+        chain[-1][0].append(site)
+    else:
+        chain.append(([site], value))
 
 
 def _same(a: float, b: float) -> bool:

@@ -78,6 +78,7 @@ class Peeling:
     def __init__(self, axis: MedialAxis, largest: AxisDisc | None) -> None:
         self.axis = axis
         self.discs: list[list[float]] = axis.node_discs.tolist()
+        self.lengths: list[float] = axis.lengths.tolist()
         self.nodes: list[int | None] = list(range(len(self.discs)))
         self.anchor = -1 if largest is None or largest.node is None else largest.node
         self.edges: list[Edge] = []
@@ -133,6 +134,9 @@ class Peeling:
         edge = next(e for e in self.at[vertex] if self.edges[e].alive)
         return edge, self.edges[edge].ends.index(vertex)
 
+    def _length(self, segment: int, t0: float, t1: float) -> float:
+        return self.lengths[segment] if (t0, t1) == (0.0, 1.0) else self.axis.segments[segment].arc_length(t0, t1)
+
     def _remove(self, edge: int) -> None:
         self.edges[edge].alive = False
         for v in self.edges[edge].ends:
@@ -159,7 +163,7 @@ class Peeling:
             inner = edge.t[1 - end] if stop is None else stop
             disc = self.discs[edge.ends[1 - end]] if whole else self.axis.segments[edge.segment].evaluate(inner).tolist()
             place = (edge.segment, min(edge.t[end], inner), max(edge.t[end], inner))
-            length = self.axis.segments[edge.segment].arc_length(place[1], place[2])
+            length = self._length(*place)
             self.cuts.append(Cut(reason, (place,), length, _ratio(length + self.discs[tip][2], disc[2])))
             if whole:
                 self._remove(i)
@@ -222,7 +226,7 @@ class Peeling:
             edge = self.edges[i]
             end = edge.ends.index(branch.root)
             branch.edges.append((i, end))
-            branch.length += self.axis.segments[edge.segment].arc_length(*edge.t)
+            branch.length += self._length(edge.segment, edge.t[0], edge.t[1])
             branch.root = edge.ends[1 - end]
 
     def _measure(self, reason: str, tip: int, branch: _Branch) -> float:

@@ -133,7 +133,7 @@ def touched(axis: MedialAxis, stretches: Intervals, discs: Ints) -> tuple[Bounda
     k = axis.skeleton
     whole = np.isin(k.whole_i[:, 1], discs)
     whole_site, whole_s = k.whole_i[whole, 0], k.whole_s[whole]
-    whole_u = np.column_stack([axis._feet(whole_site, np.ascontiguousarray(whole_s[:, end]))[:, 2] for end in range(2)])
+    whole_u = np.column_stack([axis._feet(whole_site, whole_s[:, end])[:, 2] for end in range(2)])
     site, s, u = np.concatenate((site, whole_site)), np.concatenate((s, whole_s)), np.concatenate((u, whole_u))
     return _merged(axis, site, s, u)
 

@@ -14,8 +14,8 @@ and |dr/ds| = cos(theta / 2) along a segment, so that theta >= angle is an inequ
 narrower than 180 degrees - angle is a wall down to its tip, which is a knife edge of no thickness. Every neck (see
 `mat_core.analysis.inscribed`) is wall for any angle: there dr/ds = 0.
 
-After the rolling-ball thickness of mould and casting design (M. Inui, N. Umezu, Y. Kitamura, "Visualizing sphere-contacting areas
-on automobile parts for ECU inspection", 2015), which leaves corners to the user's eye.
+After the sphere thickness of mould and casting design (M. Inui, N. Umezu, K. Wakasaki, S. Sato, "Thickness and clearance
+visualization based on distance field of 3D objects", 2015), which leaves corners to the user's eye.
 """
 
 from __future__ import annotations
