@@ -44,8 +44,8 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 NECK = 1e-12  # normalised: discs must be larger than d by so much; see above
-FARTHEST = 1e6  # of the size, outward: seen from farther away the domain loses its shape to rounding
 NECK_ULPS = 4.0  # of the largest coordinate, or by so much: walls are no better known
+FARTHEST = 1e6  # of the size, outward: seen from farther away the domain loses its shape to rounding
 TOLERANCE_RANGE = (1e-13, 0.1)  # relative, of fitted edges
 
 
