@@ -11,7 +11,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from service import analyses, schemas
+from service import schemas
+from service.analyses import boundaries, branches, measures
 from service.negotiation import FORMATS, Format
 
 JSON_ONLY: tuple[Format, ...] = ("json",)
@@ -64,8 +65,8 @@ OPERATIONS = {
             "offset",
             "Offset a domain",
             "Everything at a distance from the boundary: closed loops, trimmed by the axis; each region is a domain again.",
-            analyses.OffsetRequest,
-            analyses.OffsetAnswer,
+            boundaries.OffsetRequest,
+            boundaries.OffsetAnswer,
             DRAWN,
             arguments={"distance": 0.25},
         ),
@@ -73,23 +74,23 @@ OPERATIONS = {
             "inscribed-disc",
             "The largest disc",
             "The largest disc inside the domain, and the largest in each of its parts, which are what necks separate.",
-            analyses.InscribedDiscRequest,
-            analyses.InscribedDiscAnswer,
+            measures.InscribedDiscRequest,
+            measures.InscribedDiscAnswer,
         ),
         Operation(
             "width",
             "Wall thickness",
             "How thick the domain is along its axis: the thinnest wall, all necks, and the boundary on walls under a limit.",
-            analyses.WidthRequest,
-            analyses.WidthAnswer,
+            measures.WidthRequest,
+            measures.WidthAnswer,
             arguments={"limit": 1.2},
         ),
         Operation(
             "nearest",
             "Nearest places of the axis",
             "For each of many points: the nearest place of the axis, its segment and t, and the maximal disc there.",
-            analyses.NearestRequest,
-            analyses.NearestAnswer,
+            measures.NearestRequest,
+            measures.NearestAnswer,
             arguments={"points": [[1.0, 3.5], [4.5, 2.0]]},
         ),
         Operation(
@@ -97,8 +98,8 @@ OPERATIONS = {
             "The longest path",
             "The longest path along the axis, its ends prolonged to the boundary if asked; with cycles, the longest of the"
             " shortest paths between nodes.",
-            analyses.CenterlineRequest,
-            analyses.CenterlineAnswer,
+            branches.CenterlineRequest,
+            branches.CenterlineAnswer,
             DRAWN,
             arguments={"extend": True},
         ),
@@ -107,8 +108,8 @@ OPERATIONS = {
             "Prune the axis",
             "The axis without the branches that say little about the shape: by angle, length, radius ratio or the scale axis."
             " Components and cycles stay; what was cut is listed.",
-            analyses.PruneRequest,
-            analyses.PruneAnswer,
+            branches.PruneRequest,
+            branches.PruneAnswer,
             DRAWN,
             arguments={"angle": 2.0},
         ),
@@ -116,8 +117,8 @@ OPERATIONS = {
             "reconstruct",
             "Rebuild the boundary",
             "The boundary as the envelope of the maximal discs, and its distance from the one that was given.",
-            analyses.ReconstructRequest,
-            analyses.ReconstructAnswer,
+            boundaries.ReconstructRequest,
+            boundaries.ReconstructAnswer,
             DRAWN,
         ),
     )
