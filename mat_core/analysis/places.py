@@ -13,6 +13,8 @@ from mat_core.axis import Footpoint, MedialAxis, Point
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+ROUNDING = 1e-14  # relative to coordinates: radii that were meant to be equal differ by less
+
 
 @dataclass(frozen=True, slots=True)
 class AxisDisc:
@@ -74,6 +76,9 @@ def discs_inside(axis: MedialAxis, segment: Ints, t: Floats) -> list[AxisDisc]:
 
 
 def radius_noise(axis: MedialAxis) -> float:
-    """Difference of two radii up to which the curves cannot tell which is larger, in the caller's unit."""
-    rounding = 1e-14  # of normalised radii
-    return float((2.0 * axis.curves.max_error.max(initial=0.0) + rounding) / axis.table.scale)
+    """Difference of two radii up to which the curves cannot tell which is larger, in the caller's unit.
+
+    Twice the largest stated error, and what rounding makes of equal radii, also through the input's own coordinates.
+    """
+    rounding = ROUNDING * max(axis.domain.size, *(abs(v) for v in axis.domain.bbox))
+    return float(2.0 * axis.curves.max_error.max(initial=0.0) / axis.table.scale + rounding)

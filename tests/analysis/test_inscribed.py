@@ -86,6 +86,7 @@ def test_the_description_of_the_domain_decides_nothing() -> None:
     for change in (lambda d: rotated(d, 0.7), lambda d: shifted(d, 3.0, -2.0), reversed_loops, restarted):
         other = [p.prominence for p in inscribed_discs(of(change(shape))).parts]
         assert other == pytest.approx(plain, abs=2e-6)
+    assert len(inscribed_discs(of(shifted(CATALOGUE["gear"](), 1e6, -1e6))).parts) == 12
 
 
 def test_plateaus_count_once_and_bad_prominence_is_refused() -> None:
