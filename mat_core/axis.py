@@ -31,6 +31,7 @@ Point = tuple[float, float]
 __all__ = ["SEGMENT_KINDS", "CurveTable", "Footpoint", "Graph", "MedialAxis", "Node", "Samples", "Segment"]
 
 SAMPLES = 17  # points sampled on a segment when no step is asked for
+NOTEBOOK_WIDTH = 480  # pixels
 
 
 class CurveTable(NamedTuple):
@@ -181,8 +182,8 @@ class Graph:
 class MedialAxis:
     """The medial axis transform of a domain.
 
-    Made by `mat_core.medial_axis`. `nodes`, `segments` and `graph` are what one reads; `to_dict`, `to_json` and
-    `to_svg` what one hands on.
+    Made by `mat_core.medial_axis`. `nodes`, `segments` and `graph` are what one reads; `to_dict`, `to_json`,
+    `to_svg`, `to_geojson` and `to_dxf` what one hands on.
 
     Attributes
     ----------
@@ -381,6 +382,22 @@ class MedialAxis:
         from mat_core.formats.svg import render
 
         return render(self, width)
+
+    def _repr_svg_(self) -> str:
+        """What a notebook shows."""
+        return self.to_svg(NOTEBOOK_WIDTH)
+
+    def to_geojson(self, tolerance: float = 1e-4) -> dict[str, Any]:
+        """A GeoJSON FeatureCollection of chords, within a tolerance relative to the size; see `mat_core.formats.geojson`."""
+        from mat_core.formats.geojson import to_geojson
+
+        return to_geojson(self, tolerance)
+
+    def to_dxf(self) -> str:
+        """A DXF drawing of lines, arcs and rational splines (extra ``dxf``); see `mat_core.formats.dxf` for offsets in it."""
+        from mat_core.formats.dxf import to_dxf
+
+        return to_dxf(self)
 
     def __repr__(self) -> str:
         state = "certified" if self.certificate.get("passed") else "not certified"

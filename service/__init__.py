@@ -1,4 +1,4 @@
-"""The HTTP skin of mat_core: one POST, its documentation, and the processes that do the computing.
+"""The HTTP skin of mat_core: a POST for the axis and one for each analysis, documentation, and processes that compute.
 
 The web process (`service.app`) reads bytes and forwards them; it never imports mat_core. The workers
 (`service.solve`, forked by `service.nursery`) parse, solve and encode; they never import the web framework.

@@ -11,7 +11,7 @@ from fastapi import FastAPI
 from service import __version__, openapi, responses
 from service.middleware import RequestContext
 from service.pool import Pool
-from service.routes import docs, health, mat
+from service.routes import docs, health, solve
 from service.settings import Settings
 
 
@@ -50,7 +50,7 @@ def create_app(settings: Settings | None = None, handler: str = "service.solve")
     app.state.pool = pool
     app.add_middleware(RequestContext)
     responses.install(app)
-    app.include_router(mat.router)
+    app.include_router(solve.router)
     app.include_router(health.router)
     app.include_router(docs.router)
     app.mount("/static", docs.files, name="static")

@@ -47,7 +47,7 @@ ERRORS: dict[str, ErrorKind] = {
     "not-acceptable": ErrorKind(406, "None of the formats asked for is available"),
     "body-too-large": ErrorKind(413, "The body is larger than this service takes"),
     "unsupported-media-type": ErrorKind(415, "The body is not of a type this service reads"),
-    "invalid-domain": ErrorKind(422, "The domain is not valid"),
+    "invalid-domain": ErrorKind(422, "The domain, or what is asked of it, is not valid"),
     "too-complex": ErrorKind(422, "The domain is beyond a limit of this service"),
     "not-certified": ErrorKind(500, "The answer failed its certificate and is withheld"),
     "internal-error": ErrorKind(500, "The service failed"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from email.message import Message
 from typing import Literal
 
@@ -10,27 +11,47 @@ from starlette.datastructures import Headers
 
 from service.errors import RequestError
 
-Format = Literal["json", "svg"]
+Format = Literal["json", "geojson", "svg", "dxf"]
 
-FORMATS: dict[Format, str] = {"json": "application/json", "svg": "image/svg+xml"}
-"""The formats in the order of preference where a client has none."""
+FORMATS: dict[Format, str] = {
+    "json": "application/json",
+    "geojson": "application/geo+json",
+    "svg": "image/svg+xml",
+    "dxf": "image/vnd.dxf",
+}
+"""The formats in the order of preference where a client has none; a route may offer some of them only."""
 
 _JSON = re.compile(r"application/(json|[^/]+\+json)")
 
 
-def choose_format(accept: str) -> Format:
-    """The format that an Accept header likes best; the earlier of `FORMATS` where it is indifferent.
+def choose_format(asked: str | None, accept: str, offered: Sequence[Format] = tuple(FORMATS)) -> Format:
+    """The format of an answer.
+
+    Parameters
+    ----------
+    asked : str or None
+        The parameter f, which goes before the header.
+    accept : str
+        The Accept header; the format that it likes best is taken, the earlier one where it is indifferent.
+    offered : sequence of str
+        The formats of the route.
 
     Raises
     ------
     RequestError
-        ``not-acceptable`` when it excludes every format.
+        ``invalid-parameter`` for an f that is not offered, ``not-acceptable`` when the header excludes every format.
     """
+    if asked is not None:
+        for name in offered:
+            if name == asked:
+                return name
+        raise RequestError("invalid-parameter", f"f: available here are {', '.join(offered)}.")
     ranges = [_parameters(part) for part in accept.split(",") if part.strip()]
-    qualities = {name: _quality(media_type, ranges) for name, media_type in FORMATS.items()}
+    qualities = {name: _quality(FORMATS[name], ranges) for name in offered}
     best = max(qualities, key=lambda name: qualities[name])
     if ranges and qualities[best] <= 0:
-        raise RequestError("not-acceptable", f"Available are {' and '.join(FORMATS.values())}; or use ?f=json, ?f=svg.")
+        types = ", ".join(FORMATS[name] for name in offered)
+        raise RequestError("not-acceptable", f"Available here: {types}; or choose by ?f={'|'.join(offered)}.")
     return best
 
 

@@ -1,7 +1,7 @@
 """The OpenAPI document: the web framework's own, with the bodies that it cannot see.
 
-The solve route takes its body as bytes (no large body is parsed on the event loop) and answers bytes that a worker
-encoded, so their schemas are put in here, together with a problem document for every code of `service.errors`.
+The routes of `service.operations` take their bodies as bytes (no large body is parsed on the event loop) and answer bytes
+that a worker encoded, so their schemas are put in here, together with a problem document for every code of `service.errors`.
 ``make openapi`` writes the result to openapi/openapi.json.
 """
 
@@ -13,10 +13,13 @@ from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
+from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
-from service.schemas import DomainRequest, MatAnswer, ProblemDocument
+from service.negotiation import FORMATS, Format
+from service.operations import OPERATIONS, Operation
+from service.schemas import ProblemDocument
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "openapi" / "examples"
 """Where a checkout and the image keep the examples; an installed wheel has none, and its document shows none."""
@@ -26,6 +29,7 @@ SUMMARY = "The certified medial axis transform of planar domains bounded by rati
 DESCRIPTION = """\
 POST a domain (one outer loop, any number of holes, each loop a chain of rational B-splines) and get its medial axis
 transform: segments with their radius functions, the graph, and a certificate that was checked before the answer left.
+The same domain with `arguments` goes to the analyses: offsets, widths, inscribed discs and what else there is below /v1.
 
 Every failure is a problem document (RFC 9457) with a stable `code`; an invalid domain is answered with all of its
 problems at once, each with its place.
@@ -33,6 +37,14 @@ problems at once, each with its place.
 
 SOLVE_CODES = [code for code in ERRORS if code not in ("not-found", "method-not-allowed", "not-ready")]
 READY_CODES = ["queue-full", "not-ready"]
+
+FORMAT_SCHEMAS: dict[Format, dict[str, str]] = {
+    "json": {"type": "object"},
+    "geojson": {"type": "object"},
+    "svg": {"type": "string"},
+    "dxf": {"type": "string"},
+}
+"""What the formats are as far as a schema can tell; JSON has one of its own for each route."""
 
 EXAMPLE_PROBLEMS = [
     {
@@ -67,39 +79,46 @@ def build(app: FastAPI) -> Json:
     document = get_openapi(
         title=app.title, version=app.version, summary=SUMMARY, description=DESCRIPTION, routes=app.routes
     )
-    models = [(DomainRequest, "validation"), (MatAnswer, "serialization"), (ProblemDocument, "serialization")]
+    models: list[tuple[type[BaseModel], str]] = [(ProblemDocument, "serialization")]
+    for operation in OPERATIONS.values():
+        models += [(operation.request, "validation"), (operation.answer, "serialization")]
     _, schemas = models_json_schema(models, ref_template="#/components/schemas/{model}")  # type: ignore[arg-type]
     components = document.setdefault("components", {}).setdefault("schemas", {})
     components.update(schemas["$defs"])
     for unused in ("HTTPValidationError", "ValidationError"):
         components.pop(unused, None)
 
-    solve = document["paths"]["/v1/mat"]["post"]
-    solve["requestBody"] = {"required": True, "content": {"application/json": _request_content()}}
-    solve["responses"] = {"200": _solved(), **_failures(SOLVE_CODES)}
+    for operation in OPERATIONS.values():
+        solve = document["paths"][f"/v1/{operation.name}"]["post"]
+        solve["requestBody"] = {"required": True, "content": {"application/json": _request_content(operation)}}
+        solve["responses"] = {"200": _solved(operation), **_failures(SOLVE_CODES)}
+        (parameter,) = solve["parameters"]
+        parameter["schema"]["anyOf"][0]["enum"] = list(operation.formats)
     document["paths"]["/readyz"]["get"]["responses"].update(_failures(READY_CODES))
     return document
 
 
-def _request_content() -> Json:
-    examples = {
-        path.stem: {"summary": json.loads(path.read_text())["name"], "value": json.loads(path.read_text())}
-        for path in sorted(EXAMPLES.glob("*.json"))
-    }
-    return {"schema": _reference("DomainRequest")} | ({"examples": examples} if examples else {})
+def _request_content(operation: Operation) -> Json:
+    """The schema of a body, and the committed examples; an analysis shows one of them, with arguments."""
+    examples = {}
+    for path in sorted(EXAMPLES.glob(f"{operation.example or '*'}.json")):
+        domain = json.loads(path.read_text())
+        value = {**domain, "arguments": operation.arguments} if operation.arguments else domain
+        examples[path.stem] = {"summary": domain["name"], "value": value}
+    return {"schema": _reference(operation.request.__name__)} | ({"examples": examples} if examples else {})
 
 
-def _solved() -> Json:
+def _solved(operation: Operation) -> Json:
+    """The answer in all of its formats."""
+    content: Json = {FORMATS[form]: {"schema": FORMAT_SCHEMAS[form]} for form in operation.formats}
+    content[FORMATS["json"]] = {"schema": _reference(operation.answer.__name__)}
     return {
-        "description": "The medial axis transform, certified.",
+        "description": operation.description,
         "headers": {
             "Server-Timing": {"description": "milliseconds of each stage", "schema": {"type": "string"}},
             "X-Request-ID": {"description": "as sent, or a new one", "schema": {"type": "string"}},
         },
-        "content": {
-            "application/json": {"schema": _reference("MatAnswer")},
-            "image/svg+xml": {"schema": {"type": "string"}},
-        },
+        "content": content,
     }
 
 

@@ -1,12 +1,13 @@
-"""What a worker does with one request: read the body, build the domain, solve, encode.
+"""What a worker does with one request: read the body, build the domain, solve, operate, encode.
 
-The only module of the service that imports mat_core, and only its public names. Every failure becomes a code of
-`service.errors`; nothing is raised to the process around it.
+The only module of the service that imports mat_core: its public names, the table of operations, and the formats that show
+their results. Every failure becomes a code of `service.errors`; nothing is raised to the process around it.
 """
 
 from __future__ import annotations
 
 import hashlib
+import importlib
 import inspect
 import json
 import logging
@@ -19,6 +20,11 @@ from typing import Any
 import orjson
 
 import mat_core
+from mat_core.analysis.arguments import read_arguments
+from mat_core.analysis.operations import OPERATIONS, Operation, Result
+from mat_core.formats.dxf import to_dxf
+from mat_core.formats.json_document import about
+from mat_core.formats.svg import render_result
 from service import __version__
 from service.errors import RequestError
 
@@ -34,7 +40,7 @@ Answer = tuple[dict[str, Any], bytes]
 
 
 def preload(progress: Callable[[str, int, int], None]) -> dict[str, str]:
-    """Load every kernel before the first fork; say which versions these are.
+    """Load every kernel, and what draws, before the first fork; say which versions these are.
 
     The compiler leaves hundreds of megabytes behind, which every worker would share. So a process that ends right after it fills
     the cache first, and this one only loads from there (or compiles after all, if that process failed).
@@ -49,6 +55,7 @@ def preload(progress: Callable[[str, int, int], None]) -> dict[str, str]:
             os._exit(status)
     os.waitpid(compiler, 0)
     mat_core.warm()
+    importlib.import_module("ezdxf")  # 0.4 s that no first drawing of a worker should wait for
     return {"service": __version__, "algorithm": mat_core.__version__}
 
 
@@ -58,7 +65,8 @@ def handle(header: dict[str, Any], body: bytes) -> Answer:
     Parameters
     ----------
     header : dict
-        ``format``: json or svg; ``keep``: the folder for bodies of failed answers, or None.
+        ``operation``: mat or one of `mat_core.analysis.operations`; ``format``: one that it is answered in; ``keep``: the
+        folder for bodies of failed answers, or None.
     body : bytes
         The request's body as it came.
 
@@ -68,7 +76,7 @@ def handle(header: dict[str, Any], body: bytes) -> Answer:
         ``{"timings": ...}`` with the encoded answer, or ``{"error": ...}`` with code, detail and extra members.
     """
     try:
-        return _solve(header["format"], body)
+        return _solve(header["operation"], header["format"], body)
     except RequestError as refusal:
         error = refusal
     except MemoryError:
@@ -81,33 +89,76 @@ def handle(header: dict[str, Any], body: bytes) -> Answer:
     return {"error": {"code": error.code, "detail": error.detail, "extra": error.extra}}, b""
 
 
-def _solve(form: str, body: bytes) -> Answer:
+def _solve(name: str, form: str, body: bytes) -> Answer:
     clock = Clock()
-    domain = _domain(body)
+    operation = OPERATIONS.get(name)
+    domain, arguments = _read(body, operation)
     clock.lap("read")
     options = dict(domain.options)
     samples = options.pop("samples", False)
     try:
-        for name in options.keys() - SOLVER_OPTIONS:
-            raise mat_core.UnsupportedOption(name, "it is not available in this version")
+        for option in options.keys() - SOLVER_OPTIONS:
+            raise mat_core.UnsupportedOption(option, "it is not available in this version")
         axis = mat_core.medial_axis(domain, **options)
     except mat_core.UnsupportedOption as refusal:
-        raise _unsupported(refusal) from refusal
+        raise _unsupported(refusal, "/options") from refusal
     except mat_core.NotCertified as failure:
         raise _not_certified(failure) from failure
     clock.lap("solve")
-    if form == "svg":
-        content = axis.to_svg().encode()
+    if operation is None:
+        content = _encode_axis(axis, form, samples)
     else:
-        document = axis.to_dict(samples=samples)
-        document["version"] = {**document.get("version", {}), "service": __version__}
-        content = orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY)
+        result = _operate(operation, axis, arguments)
+        clock.lap("operate")
+        content = _encode_result(operation, axis, arguments, result, form)
     clock.lap("encode")
     return {"timings": clock.laps}, content
 
 
-def _domain(body: bytes) -> mat_core.Domain:
-    """The domain of a body.
+def _operate(operation: Operation, axis: mat_core.MedialAxis, arguments: dict[str, Any]) -> Result:
+    """The operation on an axis."""
+    try:
+        return operation.call(axis, **arguments)
+    except mat_core.UnsupportedOption as refusal:
+        raise _unsupported(refusal, "/arguments") from refusal
+    except mat_core.NotCertified as failure:
+        raise _not_certified(failure) from failure
+
+
+def _encode_axis(axis: mat_core.MedialAxis, form: str, samples: bool) -> bytes:
+    """The axis in one of the formats of /v1/mat."""
+    if form == "svg":
+        return axis.to_svg().encode()
+    if form == "dxf":
+        return axis.to_dxf().encode()
+    return _json(axis.to_geojson() if form == "geojson" else _versioned(axis.to_dict(samples=samples)))
+
+
+def _encode_result(
+    operation: Operation, axis: mat_core.MedialAxis, arguments: dict[str, Any], result: Result, form: str
+) -> bytes:
+    """A result in one of the formats of its route: JSON, or its curves as a picture or a drawing."""
+    if form == "json":
+        asked = {"operation": operation.name, "arguments": arguments}
+        return _json({**asked, "result": result.to_dict(), **_versioned(about(axis))})
+    assert operation.paths is not None, "only what has curves is offered as a drawing"
+    paths = operation.paths(result)
+    if form == "dxf":
+        return to_dxf(axis, paths, operation.name).encode()
+    return render_result(axis, paths, operation.name, fill=operation.encloses).encode()
+
+
+def _versioned(document: dict[str, Any]) -> dict[str, Any]:
+    """The document with the version of the service in it."""
+    return {**document, "version": {**document["version"], "service": __version__}}
+
+
+def _json(document: dict[str, Any]) -> bytes:
+    return orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+def _read(body: bytes, operation: Operation | None) -> tuple[mat_core.Domain, dict[str, Any]]:
+    """The domain of a body, and the arguments of an operation; the faults of both come together.
 
     NaN and Infinity are not JSON, but the likely slip of a program that wrote the body; so they are read, and reported
     like every other fault of the domain with the place where they stand.
@@ -118,13 +169,20 @@ def _domain(body: bytes) -> mat_core.Domain:
     except orjson.JSONDecodeError as error:
         strict_error = _not_json(error)
         content = _with_non_finite_numbers(body, strict_error)
+    arguments: dict[str, Any] = {}
+    problems: list[mat_core.Problem] = []
+    if operation is not None and isinstance(content, dict):
+        given = content.pop("arguments", None)
+        arguments = read_arguments(operation.arguments, given, problems, operation.at_least_one)
     try:
         domain = mat_core.Domain.from_dict(content)
     except mat_core.InvalidDomain as invalid:
-        raise _invalid(invalid) from invalid
+        raise _invalid([*problems, *invalid.problems]) from invalid
+    if problems:
+        raise _invalid(problems)
     if strict_error is not None:
         raise strict_error
-    return domain
+    return domain, arguments
 
 
 def _not_json(error: orjson.JSONDecodeError) -> RequestError:
@@ -147,10 +205,10 @@ def _integer(digits: str) -> int | float:
     return int(digits) if len(digits) < 19 else float(digits)
 
 
-def _invalid(invalid: mat_core.InvalidDomain) -> RequestError:
+def _invalid(found: list[mat_core.Problem]) -> RequestError:
     """The answer to an invalid domain: all its problems, as far as a person would read them."""
-    count = len(invalid.problems)
-    problems = [problem.to_dict() for problem in invalid.problems[:MAX_PROBLEMS]]
+    count = len(found)
+    problems = [problem.to_dict() for problem in found[:MAX_PROBLEMS]]
     too_complex = all(problem["code"] == "too-complex" for problem in problems)
     detail = "1 problem, see problems." if count == 1 else f"{count} problems, see problems."
     if count > MAX_PROBLEMS:
@@ -158,9 +216,9 @@ def _invalid(invalid: mat_core.InvalidDomain) -> RequestError:
     return RequestError("too-complex" if too_complex else "invalid-domain", detail, {"problems": problems})
 
 
-def _unsupported(refusal: mat_core.UnsupportedOption) -> RequestError:
-    """The answer to options that are well formed one by one but do not go together."""
-    problem = {"code": "unsupported-option", "pointer": f"/options/{refusal.option}", "message": str(refusal)}
+def _unsupported(refusal: mat_core.UnsupportedOption, member: str) -> RequestError:
+    """The answer to options or arguments that are well formed one by one but do not go together, or with this domain."""
+    problem = {"code": "unsupported-option", "pointer": f"{member}/{refusal.option}", "message": str(refusal)}
     return RequestError("invalid-domain", "1 problem, see problems.", {"problems": [problem]})
 
 

@@ -1,1 +1,1 @@
-"""Ways out: the answer document as JSON, the axis as a picture."""
+"""Ways out: the answer document as JSON, pictures (SVG, matplotlib), drawings (DXF), GeoJSON."""

@@ -33,17 +33,19 @@ def document(axis: MedialAxis, samples: bool = False) -> dict[str, Any]:
     -------
     dict
     """
+    return {"segments": _segments(axis, samples), "graph": _graph(axis), **about(axis)}
+
+
+def about(axis: MedialAxis) -> dict[str, Any]:
+    """What goes with everything that is found from an axis: certificate, figures of the domain, version."""
     from mat_core import __version__
 
-    loops = len(axis.domain.arrays.loop_start) - 1
     return {
-        "segments": _segments(axis, samples),
-        "graph": _graph(axis),
         "certificate": dict(axis.certificate),
         "domain": {
             "bbox": [float(v) for v in axis.domain.bbox],
             "area": float(axis.domain.area),
-            "loops": loops,
+            "loops": len(axis.domain.arrays.loop_start) - 1,
             "edges": len(axis.domain.arrays.degree),
         },
         "version": {"algorithm": __version__},

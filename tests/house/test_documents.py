@@ -11,7 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from mat_core.analysis import operations as library
 from service.errors import ERRORS
+from service.negotiation import FORMATS
+from service.operations import OPERATIONS
 from service.settings import Settings, variable
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -28,7 +31,7 @@ def blocks(language: str) -> list[str]:
 def rows(text: str, header: str) -> list[list[str]]:
     """The cells of the table that begins with a header cell."""
     table = text[text.index(f"| {header} |") :].split("\n\n")[0]
-    return [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in table.splitlines()[2:]]
+    return [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in table.splitlines()[2:]]
 
 
 def test_every_make_command_exists() -> None:
@@ -51,6 +54,20 @@ def test_the_two_first_commands_are_the_first_block() -> None:
 def test_the_error_table_is_the_table() -> None:
     told = {row[0].strip("`"): int(row[1]) for row in rows(README, "code")}
     assert told == {code: kind.status for code, kind in ERRORS.items()}
+
+
+def test_the_table_of_routes_is_the_table() -> None:
+    told = {}
+    for route, arguments, formats, answer in rows(README, "route"):
+        names = {name: bool(bold) for bold, name in re.findall(r"(\*\*)?`([a-z_]+)`", arguments)}
+        told[route.strip("`").removeprefix("/v1/")] = (names, tuple(formats.split(", ")))
+        assert answer
+    required = {name: {a: rule.required for a, rule in own.arguments.items()} for name, own in library.OPERATIONS.items()}
+    assert told == {name: (required.get(name, {}), operation.formats) for name, operation in OPERATIONS.items()}
+
+
+def test_the_table_of_formats_is_the_table() -> None:
+    assert {row[0].strip("`"): row[1].strip("`") for row in rows(README, "format")} == FORMATS
 
 
 def test_the_docstring_of_the_error_table_is_the_table() -> None:

@@ -12,7 +12,9 @@ from pydantic import ValidationError
 
 from service.app import create_app
 from service.errors import ERRORS, MEDIA_TYPE
+from service.negotiation import FORMATS
 from service.openapi import READY_CODES, SOLVE_CODES
+from service.operations import OPERATIONS, Operation
 from service.schemas import DomainRequest
 from service.settings import Settings
 
@@ -50,8 +52,8 @@ def unused_roots(used: set[str]) -> set[str]:
 
 
 def test_every_error_is_described_as_a_problem_document() -> None:
-    operations = [DOCUMENT["paths"]["/v1/mat"]["post"], DOCUMENT["paths"]["/readyz"]["get"]]
-    for operation, codes in zip(operations, (SOLVE_CODES, READY_CODES), strict=True):
+    described = [(DOCUMENT["paths"][f"/v1/{name}"]["post"], SOLVE_CODES) for name in OPERATIONS]
+    for operation, codes in (*described, (DOCUMENT["paths"]["/readyz"]["get"], READY_CODES)):
         for code in codes:
             response = operation["responses"][str(ERRORS[code].status)]
             assert list(response["content"]) == [MEDIA_TYPE]
@@ -73,6 +75,25 @@ def test_the_examples_are_in_the_document() -> None:
     assert {name: example["value"] for name, example in shown.items()} == {
         path.stem: json.loads(path.read_text()) for path in EXAMPLES
     }
+
+
+@pytest.mark.parametrize("operation", OPERATIONS.values(), ids=OPERATIONS)
+def test_every_route_has_its_documents_and_formats(operation: Operation) -> None:
+    route = DOCUMENT["paths"][f"/v1/{operation.name}"]["post"]
+    body = route["requestBody"]["content"]["application/json"]
+    assert body["schema"]["$ref"].endswith(f"/{operation.request.__name__}")
+    content = route["responses"]["200"]["content"]
+    assert set(content) == {FORMATS[form] for form in operation.formats}
+    assert content["application/json"]["schema"]["$ref"].endswith(f"/{operation.answer.__name__}")
+    assert route["parameters"][0]["schema"]["anyOf"][0]["enum"] == list(operation.formats)
+    assert body["examples"]
+    for example in body["examples"].values():
+        operation.request.model_validate_json(json.dumps(example["value"]))
+        assert example["value"].get("arguments", {}) == operation.arguments
+
+
+def test_every_solving_route_is_in_the_table() -> None:
+    assert {path for path in DOCUMENT["paths"] if path.startswith("/v1/")} == {f"/v1/{name}" for name in OPERATIONS}
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)

@@ -69,6 +69,26 @@ def circle(radius: float) -> dict[str, Json]:
     }
 
 
+def optional(**members: st.SearchStrategy[Json]) -> st.SearchStrategy[Json]:
+    """An object with any of these members."""
+    return st.fixed_dictionaries({}, optional=members)
+
+
+lengths = st.floats(1e-6, 3.0)
+places_in_the_plane = st.lists(st.lists(st.floats(-2.0, 2.0), min_size=2, max_size=2), min_size=1, max_size=4)
+
+ARGUMENTS: dict[str, st.SearchStrategy[Json]] = {
+    "offset": st.fixed_dictionaries({"distance": lengths | st.floats(-1.0, -1e-3)}, optional={"tolerance": st.just(1e-4)}),
+    "inscribed-disc": optional(prominence=lengths),
+    "centerline": optional(extend=st.booleans()),
+    "prune": optional(angle=st.floats(0.0, math.pi), length=lengths, radius_ratio=st.floats(1.0, 3.0)).map(
+        lambda rules: {"scale": 1.2, **rules}
+    ),
+    "nearest": st.fixed_dictionaries({"points": places_in_the_plane}),
+    "width": optional(limit=lengths, angle=st.floats(0.0, math.pi)),
+}
+"""Arguments that each operation takes with any of the valid domains."""
+
 numbers = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**30), 10**30)
 scalars = st.none() | st.booleans() | numbers | st.text(max_size=5)
 names = st.sampled_from(

@@ -15,6 +15,8 @@ from starlette.testclient import TestClient
 from service import __version__
 from service.app import create_app
 from service.errors import ERRORS, MEDIA_TYPE
+from service.negotiation import FORMATS
+from service.operations import OPERATIONS
 from service.settings import KIB, MIB, Settings
 
 JSON = {"Content-Type": "application/json"}
@@ -143,9 +145,24 @@ def test_other_bodies_are_refused(client: TestClient, headers: dict[str, str]) -
     problem(client.post("/v1/mat", content=order("echo"), headers=headers), "unsupported-media-type")
 
 
-@pytest.mark.parametrize("accept", ["text/html", "application/xml", "image/png", "application/json;q=0"])
+@pytest.mark.parametrize("accept", ["text/html", "application/xml", "image/png", "application/*;q=0, image/*;q=0"])
 def test_a_format_that_there_is_not(client: TestClient, accept: str) -> None:
     problem(client.post("/v1/mat", content=order("echo"), headers=JSON | {"Accept": accept}), "not-acceptable")
+
+
+@pytest.mark.parametrize(("path", "f"), [(f"/v1/{o.name}", f) for o in OPERATIONS.values() for f in o.formats])
+def test_every_route_answers_in_its_formats(client: TestClient, path: str, f: str) -> None:
+    for choice in ({"params": {"f": f}}, {"headers": {"Accept": FORMATS[f]}}):
+        response = client.post(path, content=order("echo"), **choice)
+        assert response.status_code == 200
+        assert response.headers["content-type"] == FORMATS[f]
+        assert response.headers["vary"] == "Accept"
+
+
+def test_a_format_of_another_route(client: TestClient) -> None:
+    document = problem(client.post("/v1/width", params={"f": "dxf"}, content=order("echo"), headers=JSON), "invalid-parameter")
+    assert "json" in document["detail"]
+    problem(client.post("/v1/width", content=order("echo"), headers=JSON | {"Accept": "image/vnd.dxf"}), "not-acceptable")
 
 
 @pytest.mark.parametrize("f", ["xml", "", "JSON", "json\x00"])
@@ -219,7 +236,7 @@ def test_a_defect_of_the_web_side_is_a_problem_too(monkeypatch: pytest.MonkeyPat
     def broken(*_: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("service.routes.mat.check_content", broken)
+    monkeypatch.setattr("service.routes.solve.check_content", broken)
     problem(client.post("/v1/mat", content=order("echo"), headers=JSON), "internal-error")
 
 

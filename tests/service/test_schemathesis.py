@@ -10,10 +10,11 @@ import schemathesis
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.service.domains import valid_domains
+from service.operations import OPERATIONS
+from tests.service.domains import ARGUMENTS, valid_domains
 
 RELAXED = settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, *HealthCheck]
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, *HealthCheck]
 )
 
 
@@ -26,26 +27,34 @@ def described(live: httpx2.Client) -> Any:
     return schemathesis.openapi.from_url(f"{live.base_url}/openapi.json", config=configuration)
 
 
-@pytest.mark.parametrize("path", ["/v1/mat", "/healthz", "/readyz", "/version"])
+ROUTES = [f"/v1/{name}" for name in OPERATIONS]
+
+
+@pytest.mark.parametrize("path", [*ROUTES, "/healthz", "/readyz", "/version"])
 @given(data=st.data())
 @RELAXED
 def test_requests_that_fit_the_document(described: Any, path: str, data: st.DataObject) -> None:
-    operation = described[path]["POST" if path == "/v1/mat" else "GET"]
+    operation = described[path]["POST" if path in ROUTES else "GET"]
     data.draw(operation.as_strategy()).call_and_validate()
 
 
+@pytest.mark.parametrize("path", ROUTES)
 @given(data=st.data())
 @RELAXED
-def test_requests_that_do_not_fit_the_document(described: Any, data: st.DataObject) -> None:
-    strategy = described["/v1/mat"]["POST"].as_strategy(generation_mode=schemathesis.GenerationMode.NEGATIVE)
+def test_requests_that_do_not_fit_the_document(described: Any, path: str, data: st.DataObject) -> None:
+    strategy = described[path]["POST"].as_strategy(generation_mode=schemathesis.GenerationMode.NEGATIVE)
     data.draw(strategy).call_and_validate()
 
 
+@pytest.mark.parametrize("name", OPERATIONS)
 @given(data=st.data())
 @RELAXED
-def test_truly_valid_domains_are_answered_as_documented(described: Any, data: st.DataObject) -> None:
-    case = data.draw(described["/v1/mat"]["POST"].as_strategy())
-    case.body = data.draw(valid_domains())
-    case.query = {}
-    case.headers = {"Content-Type": "application/json"}
+def test_truly_valid_domains_are_answered_as_documented(described: Any, name: str, data: st.DataObject) -> None:
+    body = data.draw(valid_domains())
+    if name in ARGUMENTS:
+        body["arguments"] = data.draw(ARGUMENTS[name])
+    query = data.draw(st.sampled_from([{}, *({"f": f} for f in OPERATIONS[name].formats)]))
+    case = described[f"/v1/{name}"]["POST"].Case(
+        body=body, query=query, headers={"Content-Type": "application/json"}, media_type="application/json"
+    )
     assert case.call_and_validate().status_code == 200

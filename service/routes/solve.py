@@ -1,42 +1,59 @@
-"""POST /v1/mat: a domain in, its medial axis transform out."""
+"""The routes that solve: POST /v1/mat, and one for each analysis; a domain in, what was found of it out."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-from typing import Annotated, Literal
+from collections.abc import Awaitable, Callable
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 from starlette.requests import ClientDisconnect
 
 from service.errors import RequestError
 from service.negotiation import FORMATS, check_content, choose_format
+from service.operations import OPERATIONS, Operation
 from service.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
 from service.settings import Settings
 
 router = APIRouter(tags=["medial axis"])
 
 
-@router.post("/v1/mat", operation_id="solve", summary="Solve a domain")
-async def solve(
-    request: Request,
-    f: Annotated[Literal["json", "svg"] | None, Query(description="the format; goes before the Accept header")] = None,
-) -> Response:
-    """The certified medial axis transform of a planar domain bounded by rational B-splines."""
-    settings: Settings = request.app.state.settings
-    pool: Pool = request.app.state.pool
-    form = f or choose_format(request.headers.get("accept", "*/*"))
-    check_content(request.headers)
-    if pool.full:
-        raise queue_full()  # before its body takes memory here
-    body = await read_body(request, settings.max_body_bytes)
-    keep = str(settings.keep_failed_dir) if settings.keep_failed_dir else None
-    reply = await _solve_unless_disconnected(request, pool, {"format": form, "keep": keep}, body)
-    if "error" in reply.header:
-        raise RequestError(**reply.header["error"])
-    timings = {"queue": 1000 * reply.queue_seconds, **reply.header["timings"]}
-    timing = ", ".join(f"{name};dur={value:.3f}" for name, value in timings.items())
-    return Response(reply.body, headers={"Server-Timing": timing, "Vary": "Accept"}, media_type=FORMATS[form])
+def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
+    """The function behind the route of an operation."""
+
+    async def solve(
+        request: Request,
+        f: Annotated[str | None, Query(description="the format; goes before the Accept header")] = None,
+    ) -> Response:
+        settings: Settings = request.app.state.settings
+        pool: Pool = request.app.state.pool
+        form = choose_format(f, request.headers.get("accept", "*/*"), operation.formats)
+        check_content(request.headers)
+        if pool.full:
+            raise queue_full()  # before its body takes memory here
+        body = await read_body(request, settings.max_body_bytes)
+        keep = str(settings.keep_failed_dir) if settings.keep_failed_dir else None
+        header = {"operation": operation.name, "format": form, "keep": keep}
+        reply = await _solve_unless_disconnected(request, pool, header, body)
+        if "error" in reply.header:
+            raise RequestError(**reply.header["error"])
+        timings = {"queue": 1000 * reply.queue_seconds, **reply.header["timings"]}
+        timing = ", ".join(f"{name};dur={value:.3f}" for name, value in timings.items())
+        return Response(reply.body, headers={"Server-Timing": timing, "Vary": "Accept"}, media_type=FORMATS[form])
+
+    return solve
+
+
+for _operation in OPERATIONS.values():
+    router.add_api_route(
+        f"/v1/{_operation.name}",
+        endpoint(_operation),
+        methods=["POST"],
+        operation_id="solve" if _operation.name == "mat" else _operation.name,
+        summary=_operation.summary,
+        description=_operation.description,
+    )
 
 
 def queue_full() -> RequestError:

@@ -1,0 +1,181 @@
+r"""Curves that are known point by point as B-splines within a tolerance.
+
+A curve P(v) is fitted over an interval by the polynomial that has its ends and derivatives there, and passes through it
+at m inner nodes (m = 2: degree 5, m = 4: degree 7); what is not near enough is halved. The error is measured where
+nodes let it be largest, in the parameter, |fit(v) - P(v)|, so that it bounds the distance between the curves at the
+places looked at; a margin of `SAFETY` is added for those between.
+
+    P, P' --o--x--o--x--o-- P', P        x nodes, o checks
+
+All intervals of all curves are fitted at once, round by round. Neighbouring fits share their tangent: `join` makes one
+B-spline of them, with spans chosen so that derivatives agree (C1, knots of multiplicity degree - 1).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Curves = Callable[[Ints, Floats], Floats]  # (curve (n,), v (n,)) -> (n, 2)
+
+SAFETY = 1.5  # stated error over the largest measured one
+FINE = 5e-8  # from here down degree 7 needs fewer pieces than degree 5 (normalised lengths)
+ROUNDS = 24  # of halving: intervals of 1e-7 of their curve are not halved any more
+SLOW = 0.02  # an end with a leg this short, relative to the chord, has no speed; a straight cubic's has 0.33
+NOISE = 1e-13  # an error this small is never halved away
+LOST = 1e-11  # nor one this small that halving the piece left at
+STALLED = 0.25  # of what it was, and more
+ROUNDING = 4e-16  # no stated error is less
+NODES = {2: (0.18225, 0.337294, 0.5), 4: (0.09825, 0.186439, 0.2845, 0.390292, 0.5)}  # checks and nodes in turn, to the middle
+END_CHECK = 0.6  # one more check on the way from the outer one to the end
+C1_DEFECT = 1e-12  # a joint whose neighbours are off their common line by more than this stays a full knot
+
+
+class Fits(NamedTuple):
+    """Polynomial pieces in order: curve (K,), ends (K, 2) in v, control (K, n + 1, 2) of their Beziers, error (K,)."""
+
+    curve: Ints
+    ends: Floats
+    control: Floats
+    error: Floats
+
+    def of(self, curve: int) -> slice:
+        """Rows of one curve."""
+        return slice(*np.searchsorted(self.curve, (curve, curve + 1)).tolist())
+
+
+def bernstein(degree: int, v: Floats) -> Floats:
+    """All Bernstein polynomials of a degree at v (n,): (n, degree + 1)."""
+    j = np.arange(degree + 1)
+    binomials = np.array([float(math.comb(degree, int(k))) for k in j])
+    out: Floats = binomials * v[:, None] ** j * (1.0 - v[:, None]) ** (degree - j)
+    return out
+
+
+@cache
+def _scheme(m: int) -> tuple[Floats, Floats, Floats]:
+    """(places of samples, matrix from [P0, D0, samples at nodes, D1, P1] to Bernstein coefficients, basis at the checks)."""
+    half = NODES[m]
+    inner = np.array([*half, *(1.0 - f for f in half[-2::-1])])
+    nodes = inner[1::2]
+    checks = np.concatenate(([END_CHECK * inner[0]], inner[0::2], [1.0 - END_CHECK * inner[0]]))
+    n = m + 3
+    rows = np.zeros((n + 1, n + 1))
+    rows[0, 0] = rows[-1, -1] = 1.0
+    rows[1, :2] = -n, n
+    rows[-2, -2:] = -n, n
+    rows[2:-2] = bernstein(n, nodes)
+    matrix: Floats = np.linalg.inv(rows)
+    return np.concatenate((nodes, checks)), matrix, bernstein(n, checks)
+
+
+def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, regular: bool = False) -> Fits:
+    """Fit the curves P_i(v), v in [0, 1], for i in range(curves).
+
+    Parameters
+    ----------
+    points, derivatives : callable
+        P and dP/dv of many (curve, v) at once, each (n, 2).
+    curves : int
+    tolerance : float
+        Largest error; what rounding keeps above it states the larger one.
+    regular : bool
+        Where a curve begins or ends without speed, the fit does not: its last bit, shorter than the tolerance, is straight.
+
+    Returns
+    -------
+    Fits
+    """
+    m = 2 if tolerance >= FINE else 4
+    places, matrix, basis = _scheme(m)
+    item = np.arange(curves)
+    lo, hi = np.zeros(curves), np.ones(curves)
+    before = np.full(curves, np.inf)
+    done: list[tuple[Ints, Floats, Floats, Floats]] = []
+    for remaining in range(ROUNDS, -1, -1):
+        if not len(item):
+            break
+        v = lo[:, None] + (hi - lo)[:, None] * np.concatenate(([0.0], places, [1.0]))
+        v[:, -1] = hi
+        found = points(np.repeat(item, v.shape[1]), v.reshape(-1)).reshape(*v.shape, 2)
+        ends = derivatives(np.repeat(item, 2), np.column_stack((lo, hi)).reshape(-1)).reshape(-1, 2, 2)
+        legs = ends * ((hi - lo) / (m + 3))[:, None, None]
+        first, last = found[:, :1], found[:, -1:]
+        known = np.concatenate((first, legs[:, :1] * (m + 3), found[:, 1 : m + 1], legs[:, 1:] * (m + 3), last), axis=1)
+        # about the first point, so that rounding is that of the piece and not of its place
+        control = np.einsum("ij,kjc->kic", matrix, _about(known, first)) + first
+        control[:, :1], control[:, 1:2] = first, first + legs[:, :1]
+        control[:, -1:], control[:, -2:-1] = last, last - legs[:, 1:]
+        miss = np.einsum("ij,kjc->kic", basis, control) - found[:, m + 1 : -1]
+        error = SAFETY * np.sqrt((miss**2).sum(axis=2).max(axis=1))
+        good = error <= tolerance
+        if regular:
+            chord = np.hypot(*(last - first)[:, 0].T)
+            slow = np.hypot(legs[:, :, 0], legs[:, :, 1]).min(axis=1) < SLOW * chord
+            good &= ~slow
+            short = slow & (chord <= max(tolerance, NOISE))
+            control[short] = (first + (last - first) * np.linspace(0.0, 1.0, m + 4)[:, None])[short]
+            error[short] = chord[short]
+            good |= short
+        # halving helps no more: what is left is the rounding of the points themselves
+        good |= (error <= LOST) & (error >= STALLED * before)
+        if remaining == 0:
+            good[:] = True
+        before = np.repeat(error[~good], 2)
+        done.append((item[good], np.column_stack((lo, hi))[good], control[good], np.maximum(error[good], ROUNDING)))
+        item, lo, hi = item[~good], lo[~good], hi[~good]
+        middle = 0.5 * (lo + hi)
+        item, lo, hi = np.repeat(item, 2), np.column_stack((lo, middle)).reshape(-1), np.column_stack((middle, hi)).reshape(-1)
+    if not done:
+        return Fits(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, m + 4, 2)), np.empty(0))
+    all_item, all_ends, all_control, all_error = (np.concatenate(columns) for columns in zip(*done, strict=True))
+    order = np.lexsort((all_ends[:, 0], all_item))
+    return Fits(all_item[order], all_ends[order], all_control[order], all_error[order])
+
+
+def _about(known: Floats, first: Floats) -> Floats:
+    """Points relative to the first one; derivatives (rows 1 and -2) as they are."""
+    out = known - first
+    out[:, 1], out[:, -2] = known[:, 1], known[:, -2]
+    return out
+
+
+def join(pieces: Sequence[Floats]) -> tuple[Floats, Floats]:
+    """One clamped B-spline of Beziers of one degree that follow each other.
+
+    Parameters
+    ----------
+    pieces : sequence of (n + 1, 2) float64
+
+    Returns
+    -------
+    knots : (k,) float64
+        From 0 to 1; spans go with the lengths of the pieces, chosen so that derivatives agree where tangents do.
+    control_points : (k - n - 1, 2) float64
+    """
+    n = len(pieces[0]) - 1
+    control: list[Floats] = [pieces[0]]
+    knots = [0.0] * (n + 1)
+    span = max(math.dist(pieces[0][0], pieces[0][-1]), ROUNDING)
+    u = span
+    for before, after in zip(pieces[:-1], pieces[1:], strict=True):
+        arrive, leave = before[-1] - before[-2], after[1] - after[0]
+        a, b = float(np.hypot(*arrive)), float(np.hypot(*leave))
+        smooth = a > 0.0 and b > 0.0 and float(np.hypot(*(arrive * b - leave * a))) / (a + b) <= C1_DEFECT
+        if smooth:
+            span *= b / a
+            control[-1] = control[-1][:-1]
+        else:
+            span = max(math.dist(after[0], after[-1]), ROUNDING)
+        knots += [u] * (n - 1 if smooth else n)
+        control.append(after[1:])
+        u += span
+    knots += [u] * (n + 1)
+    return np.array(knots) / u, np.concatenate(control)

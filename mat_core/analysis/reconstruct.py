@@ -1,0 +1,330 @@
+"""The boundary again, from the medial axis and its radius alone.
+
+1. Each segment gives two curves, the envelope of its discs on the right and on the left (`envelope`).
+2. Round a node the right side of an arriving segment goes on as the right side of the next one anticlockwise; at a leaf,
+   as the segment's own other side.
+3. Where the two do not meet the disc itself lies between them, a contact along an arc: it is put in. The gap is the angle
+   between both segments less their sides' own, so that also arcs of more than half a turn are told from none.
+4. Loops are measured against the domain's own edges, both ways.
+
+Nothing is taken from the boundary but for that comparison.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mat_core.analysis.distance import farthest, pieces_of
+from mat_core.analysis.envelope import Envelope
+from mat_core.analysis.fitting import join
+from mat_core.analysis.outline import edge_dicts, measure
+from mat_core.analysis.parallel import QUARTER, arc_spline
+from mat_core.axis import MedialAxis
+from mat_core.errors import NotCertified
+from mat_core.model.curve import RationalBSpline
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FIT_SHARE = 0.1  # of the axis's tolerance, for the curves of the boundary
+SNAP = 1e-9  # normalised: a shorter arc is rounding of e, which moves along the boundary only
+NEARLY_POINT = 1e-5  # normalised: a side that stays within so much of its start may be a vertex
+POINT = 4.0  # errors of the axis by which discs may miss a vertex
+ILL_POSED = 1e-3  # directions told apart less than this, relative, do not move a vertex
+GAUSS_STEPS = 3
+LONGEST_LEAD = 0.5  # of a Bezier's parameter: how far its end may be led along itself
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """A boundary rebuilt from an axis; lengths in the caller's unit.
+
+    Attributes
+    ----------
+    outer : tuple of RationalBSpline
+        Edges head to tail, counter-clockwise.
+    holes : tuple of tuple of RationalBSpline
+        Likewise, clockwise.
+    to_boundary : float
+        Largest distance of its points from the domain's own boundary, measured at many.
+    from_boundary : float
+        Largest distance of the boundary's points from it, likewise.
+    area : float
+        Enclosed.
+    """
+
+    outer: tuple[RationalBSpline, ...]
+    holes: tuple[tuple[RationalBSpline, ...], ...]
+    to_boundary: float
+    from_boundary: float
+    area: float
+
+    @property
+    def distance(self) -> float:
+        """The larger one of both distances."""
+        return max(self.to_boundary, self.from_boundary)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain dicts, lists and numbers; ``outer`` and ``holes`` are those of a JSON domain."""
+        return {
+            "outer": edge_dicts(self.outer),
+            "holes": [edge_dicts(hole) for hole in self.holes],
+            "to_boundary": self.to_boundary,
+            "from_boundary": self.from_boundary,
+            "area": self.area,
+        }
+
+
+class _Side(NamedTuple):
+    """One side of one item, in the direction of the boundary: +1 the right side along t, -1 the left side against it."""
+
+    item: int
+    sense: int
+
+
+class _Edge(NamedTuple):
+    """A part of a loop: Beziers in a row, or an arc, or nothing but a vertex that its neighbours meet in."""
+
+    pieces: list[Floats]
+    arc: RationalBSpline | None
+    vertex: Floats | None
+
+
+class _Gap(NamedTuple):
+    """Between two sides: the turn of the disc (anticlockwise), and the disc."""
+
+    turn: float
+    disc: Floats
+
+
+def reconstruct(axis: MedialAxis) -> Reconstruction:
+    """The boundary as the envelope of the maximal discs.
+
+    Parameters
+    ----------
+    axis : MedialAxis
+        The rebuilt boundary is as near to the domain's as the axis's curves are to the true ones.
+
+    Returns
+    -------
+    Reconstruction
+
+    Raises
+    ------
+    NotCertified
+        The sides do not close to one outer loop and holes (a defect of the axis).
+
+    Notes
+    -----
+    H. Blum, "A transformation for extracting new descriptors of shape" (1967): axis and radius determine the shape.
+    """
+    table = axis.table
+    tolerance = FIT_SHARE * axis.tolerance * axis.domain.size * table.scale
+    loops = _circle(axis) if not len(axis.segments) else _Rebuilder(axis, tolerance).loops()
+    curves = [
+        tuple(RationalBSpline(c.degree, c.knots, c.control_points / table.scale + table.origin, c.weights) for c in loop)
+        for loop in loops
+    ]
+    areas = [measure(loop)[0] for loop in curves]
+    outside = [i for i, a in enumerate(areas) if a > 0.0]
+    if len(outside) != 1:
+        raise NotCertified(f"reconstruct: {len(outside)} loops run anticlockwise, not 1")
+    origin = table.origin
+    rebuilt = pieces_of((c for loop in curves for c in loop), origin)
+    given = pieces_of((c for loop in (axis.domain.outer, *axis.domain.holes) for c in loop), origin)
+    holes = tuple(loop for i, loop in enumerate(curves) if i != outside[0])
+    return Reconstruction(
+        curves[outside[0]], holes, farthest(rebuilt, given), farthest(given, rebuilt), math.fsum(areas)
+    )
+
+
+def _circle(axis: MedialAxis) -> list[list[RationalBSpline]]:
+    """The boundary of a disc, whose axis is a point."""
+    disc = axis.skeleton.disc[axis.runs.node_disc[0]]
+    edge = _Edge([], _arc_about(disc, disc[:2] + (disc[2], 0.0), 2.0 * math.pi), None)
+    return [_closed([edge])]
+
+
+def _arc_about(disc: Floats, begin: Floats, turn: float) -> RationalBSpline:
+    """An arc of a disc from a point of it on, anticlockwise."""
+    spans = max(math.ceil(turn / QUARTER), 1)
+    x, y = begin - disc[:2]
+    angle = math.atan2(y, x) + turn * np.arange(spans + 1) / spans
+    ends = disc[:2] + disc[2] * np.column_stack((np.cos(angle), np.sin(angle)))
+    knots, control, weights = arc_spline(ends, np.full(spans, turn / spans))
+    return RationalBSpline(2, knots, control, weights)
+
+
+class _Rebuilder:
+    """Steps 1 to 3 for one axis, normalised."""
+
+    def __init__(self, axis: MedialAxis, tolerance: float) -> None:
+        self.axis = axis
+        self.envelope = Envelope(axis, tolerance)
+        owner = axis.curves.part_segment[self.envelope.items.piece]
+        self.first = np.searchsorted(owner, np.arange(len(axis.segments) + 1)).tolist()
+        if any(a == b for a, b in zip(self.first[:-1], self.first[1:], strict=True)):
+            raise NotCertified("reconstruct: a segment of no length has no sides")
+
+    def loops(self) -> list[list[RationalBSpline]]:
+        """All loops of the boundary."""
+        return [self._draw(chain) for chain in self._chains()]
+
+    def _chains(self) -> Iterator[list[_Side]]:
+        """Step 2: sides in the order of the boundary, one list a loop."""
+        following = self._turn_round()
+        waiting = dict.fromkeys(following)
+        while waiting:
+            start = half = next(iter(waiting))
+            chain: list[_Side] = []
+            while True:
+                del waiting[half]
+                segment, sense = half
+                items = range(self.first[segment], self.first[segment + 1])
+                chain += [_Side(i, sense) for i in (items if sense > 0 else reversed(items))]
+                half = following[half]
+                if half == start:
+                    break
+            yield chain
+
+    def _turn_round(self) -> dict[tuple[int, int], tuple[int, int]]:
+        """For each side (segment, sense) the next one."""
+        runs, ends = self.axis.runs, self.envelope.ends
+        at_node: dict[int, list[tuple[float, tuple[int, int]]]] = {}
+        following: dict[tuple[int, int], tuple[int, int]] = {}
+        for g, (a, b) in enumerate(zip(runs.start_node.tolist(), runs.end_node.tolist(), strict=True)):
+            if a < 0:
+                following[g, 1], following[g, -1] = (g, 1), (g, -1)
+                continue
+            away = ends.forward[self.first[g], 0], -ends.forward[self.first[g + 1] - 1, 1]
+            for node, d, sense in ((a, away[0], 1), (b, away[1], -1)):
+                at_node.setdefault(node, []).append((math.atan2(d[1], d[0]), (g, sense)))
+        for leaving in at_node.values():
+            leaving.sort()
+            for (_, (segment, sense)), (_, after) in zip(leaving, leaving[1:] + leaving[:1], strict=True):
+                following[segment, -sense] = after
+        return following
+
+    def _gap(self, a: _Side, b: _Side) -> _Gap:
+        """Step 3: what lies between the end of side a and the start of side b, at one disc."""
+        ends = self.envelope.ends
+        i, j = (1 if a.sense > 0 else 0), (0 if b.sense > 0 else 1)
+        arrive, leave = a.sense * ends.forward[a.item, i], b.sense * ends.forward[b.item, j]
+        back = -arrive
+        between = math.atan2(back[0] * leave[1] - back[1] * leave[0], back @ leave) % (2.0 * math.pi)
+        if a.item == b.item and i == j:
+            between = 2.0 * math.pi
+        angle_a, angle_b = float(ends.angle[a.item, i]), float(ends.angle[b.item, j])
+        # from the direction of travel clockwise to e, on either side
+        own_a = math.pi - angle_a if a.sense > 0 else angle_a
+        own_b = angle_b if b.sense > 0 else math.pi - angle_b
+        return _Gap(between - own_a - own_b, 0.5 * (ends.disc[a.item, i] + ends.disc[b.item, j]))
+
+    def _controls(self, side: _Side) -> list[Floats]:
+        """Beziers of one side, in the direction of the boundary."""
+        fits = self.envelope.right if side.sense > 0 else self.envelope.left
+        rows = fits.of(side.item)
+        control = fits.control[rows]
+        pieces = [control[k].copy() for k in range(len(control))]
+        return pieces if side.sense > 0 else [piece[::-1].copy() for piece in reversed(pieces)]
+
+    def _vertex(self, side: _Side) -> Floats | None:
+        """The point that all discs of an item pass through on one side, if there is one.
+
+        Errors of e move p across such a point to first order, so it is found from centres and radii: |c - V| = r.
+        """
+        fits = self.envelope.right if side.sense > 0 else self.envelope.left
+        control = fits.control[fits.of(side.item)].reshape(-1, 2)
+        if np.abs(control - control[0]).max() > NEARLY_POINT:
+            return None
+        discs = self.envelope.discs(side.item)
+        vertex = control.mean(axis=0)
+        for _ in range(GAUSS_STEPS):
+            away = vertex - discs[:, :2]
+            distance = np.maximum(np.hypot(away[:, 0], away[:, 1]), np.finfo(float).tiny)
+            vertex = vertex - np.linalg.lstsq(away / distance[:, None], distance - discs[:, 2], rcond=ILL_POSED)[0]
+        misses = np.abs(np.hypot(*(vertex - discs[:, :2]).T) - discs[:, 2])
+        return vertex if misses.max() <= POINT * float(self.axis.curves.max_error.max()) else None
+
+    def _draw(self, chain: list[_Side]) -> list[RationalBSpline]:
+        """One loop of curves, ends joined."""
+        edges: list[_Edge] = []
+        smooth = False
+        for side, after in zip(chain, chain[1:] + chain[:1], strict=True):
+            gap = self._gap(side, after)
+            vertex = self._vertex(side)
+            if vertex is not None:
+                edges.append(_Edge([], None, vertex))
+            elif smooth:
+                edges[-1].pieces.extend(self._controls(side))
+            else:
+                edges.append(_Edge(self._controls(side), None, None))
+            smooth = vertex is None and abs(gap.turn) * gap.disc[2] <= SNAP < gap.disc[2]
+            smooth = smooth and self._vertex(after) is None
+            if gap.turn * gap.disc[2] > SNAP:
+                p = vertex if vertex is not None else edges[-1].pieces[-1][-1]
+                edges.append(_Edge([], _arc_about(gap.disc, p, gap.turn), None))
+        return _closed(edges)
+
+
+def _closed(edges: list[_Edge]) -> list[RationalBSpline]:
+    """Splines of the edges; each ends where the next begins, at the vertex between them or halfway."""
+    drawn = [edge for edge in edges if edge.vertex is None]
+    vertices = _vertices_after(edges)
+    curves = [edge.arc for edge in drawn]
+    ends = [(c.control_points[0], c.control_points[-1]) if c else (e.pieces[0][0], e.pieces[-1][-1])
+            for c, e in zip(curves, drawn, strict=True)]
+    places = [vertex if vertex is not None else 0.5 * (ends[n][1] + ends[(n + 1) % len(ends)][0])
+              for n, vertex in enumerate(vertices)]
+    out = []
+    for n, (edge, curve) in enumerate(zip(drawn, curves, strict=True)):
+        start, end = places[n - 1], places[n]
+        if curve is None:
+            pieces = edge.pieces
+            pieces[0] = _led_to(pieces[0][::-1], start)[::-1]
+            pieces[-1] = _led_to(pieces[-1], end)
+            for a, b in pairwise(pieces):
+                a[-1] = b[0] = 0.5 * (a[-1] + b[0])
+            knots, control = join(pieces)
+            curve = RationalBSpline(len(pieces[0]) - 1, knots, control, np.ones(len(control)))
+        curve.control_points[0], curve.control_points[-1] = start, end
+        out.append(curve)
+    return out
+
+
+def _vertices_after(edges: list[_Edge]) -> list[Floats | None]:
+    """For each edge that is drawn the vertex that follows it, if one does."""
+    found: list[Floats | None] = []
+    leading: Floats | None = None
+    for edge in edges:
+        if edge.vertex is None:
+            found.append(None)
+        elif found:
+            found[-1] = edge.vertex
+        else:
+            leading = edge.vertex
+    if leading is not None and found[-1] is None:
+        found[-1] = leading
+    return found
+
+
+def _led_to(control: Floats, place: Floats) -> Floats:
+    """A Bezier cut off or drawn out along itself to where it is nearest to a place: both sides of a disc's joint meet so."""
+    leave = (len(control) - 1) * (control[-1] - control[-2])
+    speed_sq = float(leave @ leave)
+    more = float((place - control[-1]) @ leave) / speed_sq if speed_sq > 0.0 else 0.0
+    if not 0.0 < abs(more) < LONGEST_LEAD:
+        return control
+    out = control.copy()
+    row = control
+    for i in range(1, len(control)):
+        row = row[:-1] + (1.0 + more) * (row[1:] - row[:-1])
+        out[i] = row[0]
+    return out
