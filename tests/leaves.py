@@ -18,7 +18,6 @@ from tests.reference import SMOOTH_TURN, Floats, Ints, Reference
 LARGEST = 2.0  # no disc of a domain of size one is larger
 LEVEL = 1e-8  # relative change of curvature below which an arc is circular
 ALL_BUT_CIRCLE = 1e-6  # relative change of curvature along a loop that is a circle to the eye
-CIRCLE = 1e-13  # that of a true circle
 SLIGHT = 1e-11  # relative change of curvature that is none: rounding
 JOINT_BLUR = 1e-11  # rounding of a cell's second derivative, in its own parameter: what two cells differ by where they meet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
@@ -58,7 +57,7 @@ def count_leaves(reference: Reference) -> Leaves:
             count += len(contact_parts(reference, center, 1e-9)) == 1 and not _whole(reference, center)
         else:
             count += 1
-    return Leaves(int(count), doubtful + flat_corners + nearly_circular(reference))
+    return Leaves(int(count), doubtful + flat_corners)
 
 
 def nearly_circular(reference: Reference) -> int:
@@ -67,8 +66,7 @@ def nearly_circular(reference: Reference) -> int:
         return 0
     cells = np.repeat(np.arange(len(reference.boundary.owner)), 3)
     k = reference.at(cells, np.tile([0.1, 0.5, 0.9], len(cells) // 3))[2]
-    low, high = CIRCLE * np.abs(k).max(), ALL_BUT_CIRCLE * np.abs(k).max()
-    return 2 * len(reference.names) if low < np.ptp(k) < high else 0
+    return 2 * len(reference.names) if np.ptp(k) < ALL_BUT_CIRCLE * np.abs(k).max() else 0
 
 
 def _whole(reference: Reference, center: Floats) -> bool:
@@ -107,7 +105,7 @@ def candidates(reference: Reference) -> list[tuple[int, float, bool, int]]:
             cell, at = (int(cells[m]), float(s[m])) if flat else sharpen(reference, cells[a : b + 1], s[a : b + 1])
             disc = np.array([*(point[m] + normal[m] / k[m]), 1 / k[m]])
             gaps = [np.abs(disc - other).max() for other in seen if flat]
-            if min(gaps, default=1.0) < SLIGHT:
+            if min(gaps, default=1.0) < EMPTY:
                 continue
             hidden = slight_maxima(k[a : b + 1]) + int(min(gaps, default=1.0) < 1e-7)
             if flat:
