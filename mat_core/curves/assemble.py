@@ -31,11 +31,12 @@ from mat_core.curves.fit import (
     Q_T0,
     Q_T1,
     fit_strips,
+    travel,
 )
 from mat_core.curves.interval import CHEBYSHEV, MAX_DEGREE, MAX_STRIPS, ROWS, SAMPLE_COLUMNS, SAMPLE_ROWS, STACK_COLUMNS, STACK_ROWS
 from mat_core.errors import NotCertified
 from mat_core.kernels.jit import inner, jit
-from mat_core.kernels.layout import EDGE, KIND, LOOP, SPAN, SPIRAL
+from mat_core.kernels.layout import EDGE, LOOP
 from mat_core.model.domain import Domain
 from mat_core.topology.graph import AxisGraph
 from mat_core.topology.skeleton import Skeleton
@@ -48,6 +49,7 @@ FINE_TOLERANCE = 1e-5  # at and above: quintic pieces, below: degree 7 (fewer pi
 FINEST_TOLERANCE = 1e-8  # below: degree 9
 ROUNDING = 4.5e-16  # of coordinates, the caller's: two roundings of the largest one
 TRACE_ROUNDING = 1e-13  # nor that of a fitted piece less than the rounding of the axis points it is held against
+LEAST_SHARE = 0.5  # of the tolerance that fits must keep, when rounding takes the rest or more
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
 
 
@@ -222,13 +224,17 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     NotCertified
         A strip cannot be followed: its discs and its sides do not belong together. Names the place and both sides.
     """
-    strip_i, strip_s = _in_order(skeleton, graph)
-    joined = _joined(table, strip_i, graph)
-    n = len(strip_i)
+    n = len(graph.run_strip)
     runs = len(graph.start_node)
     degree = _degree(tolerance)
+    rounding = ROUNDING * (1.0 + float(np.abs(table.origin).max()) * table.scale)
+    wanted = max(tolerance - rounding - TRACE_ROUNDING, LEAST_SHARE * tolerance)
     room = n + 8
     first = np.empty(n + 1, dtype=np.int64)
+    strip_i = np.empty((n, 4), dtype=np.int64)
+    strip_s = np.empty((n, 4))
+    joined = np.empty(n, dtype=np.bool_)
+    travel(table.si, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward, strip_i, strip_s, joined)
     way_i = np.empty((n, 2), dtype=np.int64)
     way_f = np.empty((n, 4))
     count = NO_ROOM
@@ -241,7 +247,7 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
         found_f = np.empty((room + n, 4))
         # ends after the first growth but for curves of many pieces; at the latest at MAX_PIECES for each strip
         count = fit_strips(
-            table.si, table.sf, table.cp, skeleton.disc, strip_i, strip_s, joined, tolerance, degree,
+            table.si, table.sf, table.cp, skeleton.disc, strip_i, strip_s, joined, wanted, degree,
             np.empty((STACK_ROWS, STACK_COLUMNS)), np.empty((SAMPLE_ROWS, SAMPLE_COLUMNS)), np.empty((4, 3)),
             np.empty((MAX_DEGREE, 3)), np.empty((MAX_DEGREE, 3)), CHEBYSHEV, np.empty((MAX_STRIPS, 4)), np.empty(ROWS),
             np.empty(3), np.empty(3), way_i, way_f, piece_i, piece_f, piece_cp, found_i, found_f, first)
@@ -259,8 +265,7 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     part_i = np.empty((parts, 4), dtype=np.int64)
     part_f = np.empty((parts, 4))
     assemble_runs(graph.run_start, graph.run_strip, graph.run_forward, first, piece_i, piece_f, piece_cp, found_i, found_f,
-                  ROUNDING * (1.0 + float(np.abs(table.origin).max()) * table.scale), degrees, kinds, max_error, knot_start,
-                  knots, cp_start, cp, part_start, part_i, part_f)
+                  rounding, degrees, kinds, max_error, knot_start, knots, cp_start, cp, part_start, part_i, part_f)
     return CurveTable(degrees, kinds, knot_start, knots[: knot_start[-1]], cp_start, cp[: cp_start[-1]], max_error,
                       part_start, part_i, part_f)
 
@@ -270,31 +275,6 @@ def _degree(tolerance: float) -> int:
     if tolerance < FINEST_TOLERANCE:
         return 9
     return 7 if tolerance < FINE_TOLERANCE else 5
-
-
-def _in_order(skeleton: Skeleton, graph: AxisGraph) -> tuple[Ints, Floats]:
-    """`strip_i` and `strip_s` of the strips of all runs one after the other, each in the direction of travel."""
-    strip_i = skeleton.strip_i[graph.run_strip]
-    strip_s = skeleton.strip_s[graph.run_strip]
-    back = ~graph.run_forward
-    # left becomes right, the last disc the first; either side is passed from its other end
-    strip_i[back] = strip_i[back][:, [1, 0, 3, 2]]
-    strip_s[back] = strip_s[back][:, [3, 2, 1, 0]]
-    return strip_i, strip_s
-
-
-def _joined(table: SiteTable, strip_i: Ints, graph: AxisGraph) -> Flags:
-    """Whether a strip goes on where the one before it ends, along one analytic curve on either side."""
-    joined = np.ones(len(strip_i), dtype=np.bool_)
-    joined[graph.run_start[:-1]] = False
-    si = table.si
-    for side in range(2):
-        site = strip_i[:, side]
-        before = np.roll(site, 1)
-        cut = (si[site, KIND] == SPIRAL) & (si[before, KIND] == SPIRAL)
-        cut &= (si[site][:, [LOOP, EDGE, SPAN]] == si[before][:, [LOOP, EDGE, SPAN]]).all(axis=1)
-        joined &= (site == before) | cut
-    return joined
 
 
 def build_axis(

@@ -45,7 +45,7 @@ from mat_core.curves.interval import (
 )
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner, jit
-from mat_core.kernels.layout import FAN, KIND, LEN, LINE, SPIRAL, SWEEP, V0, V1
+from mat_core.kernels.layout import EDGE, FAN, KIND, LEN, LINE, LOOP, SPAN, SPIRAL, SWEEP, V0, V1
 from mat_core.tracing.strip import trace
 
 Floats = NDArray[np.float64]
@@ -67,6 +67,36 @@ NO_ROOM = -1  # status: the piece tables are too small
 NO_FIT = -2  # status: a strip cannot be followed
 CLOSED_FORM_BONUS = 0.1  # sample a free-form side unless it is this much shorter than a closed one: a cheap partner
 PARALLEL = 1e-9  # |n1 - n2| below which two normals at one vertex are one
+
+
+@inner
+def _goes_on(si: Ints, i: int, j: int) -> bool:
+    """Whether site j is i or the next part of the same Bezier."""
+    if i == j:
+        return True
+    cut = si[i, KIND] == SPIRAL and si[j, KIND] == SPIRAL
+    return bool(cut and si[i, LOOP] == si[j, LOOP] and si[i, EDGE] == si[j, EDGE] and si[i, SPAN] == si[j, SPAN])
+
+
+@jit
+def travel(
+    si: Ints, skeleton_i: Ints, skeleton_s: Floats, run_start: Ints, run_strip: Ints, run_forward: Flags, strip_i: Ints,
+    strip_s: Floats, joined: Flags,
+) -> None:
+    """Rows of `strip_i` and `strip_s`: the strips of all runs one after the other, each in the direction of travel.
+
+    joined: the strip goes on where the one before it ends, along one analytic curve on either side.
+    """
+    for g in range(run_start.shape[0] - 1):
+        for w in range(run_start[g], run_start[g + 1]):
+            strip = run_strip[w]
+            for m in range(4):
+                # backwards left becomes right, the last disc the first, and either side is passed from its other end
+                strip_i[w, m] = skeleton_i[strip, m if run_forward[w] else m ^ 1]
+                strip_s[w, m] = skeleton_s[strip, m if run_forward[w] else 3 - m]
+            joined[w] = False
+            if w > run_start[g]:
+                joined[w] = _goes_on(si, strip_i[w - 1, 0], strip_i[w, 0]) and _goes_on(si, strip_i[w - 1, 1], strip_i[w, 1])
 
 
 @inner
