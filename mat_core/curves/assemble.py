@@ -33,7 +33,7 @@ from mat_core.curves.fit import (
     fit_strips,
     travel,
 )
-from mat_core.curves.interval import CHEBYSHEV, MAX_DEGREE, MAX_STRIPS, ROWS, SAMPLE_COLUMNS, SAMPLE_ROWS, STACK_COLUMNS, STACK_ROWS
+from mat_core.curves.interval import AXIS_ROUNDING, CHEBYSHEV, MAX_DEGREE, MAX_STRIPS, ROWS, SAMPLE_COLUMNS, SAMPLE_ROWS, STACK_COLUMNS, STACK_ROWS
 from mat_core.errors import NotCertified
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import EDGE, LOOP
@@ -48,7 +48,6 @@ Flags = NDArray[np.bool_]
 FINE_TOLERANCE = 1e-5  # at and above: quintic pieces, below: degree 7 (fewer pieces from about there on)
 FINEST_TOLERANCE = 1e-8  # below: degree 9
 ROUNDING = 4.5e-16  # of coordinates, the caller's: two roundings of the largest one
-TRACE_ROUNDING = 1e-13  # nor that of a fitted piece less than the rounding of the axis points it is held against
 LEAST_SHARE = 0.5  # of the tolerance that fits must keep, when rounding takes the rest or more
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
 
@@ -126,7 +125,7 @@ def assemble_runs(
         for p in range(begin, end):
             n = max(n, piece_i[p, P_DEGREE])
             fitted = piece_i[p, P_KIND] == K_FREEFORM
-            error = max(error, piece_f[p, P_ERROR] + (TRACE_ROUNDING if fitted else 0.0))
+            error = max(error, piece_f[p, P_ERROR] + (AXIS_ROUNDING if fitted else 0.0))
             if common != piece_i[p, P_KIND]:
                 common = K_FREEFORM
         degree[g] = n
@@ -228,7 +227,7 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     runs = len(graph.start_node)
     degree = _degree(tolerance)
     rounding = ROUNDING * (1.0 + float(np.abs(table.origin).max()) * table.scale)
-    wanted = max(tolerance - rounding - TRACE_ROUNDING, LEAST_SHARE * tolerance)
+    wanted = max(tolerance - rounding - AXIS_ROUNDING, LEAST_SHARE * tolerance)
     room = n + 8
     first = np.empty(n + 1, dtype=np.int64)
     strip_i = np.empty((n, 4), dtype=np.int64)
