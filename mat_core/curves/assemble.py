@@ -33,7 +33,17 @@ from mat_core.curves.fit import (
     fit_strips,
     travel,
 )
-from mat_core.curves.interval import AXIS_ROUNDING, CHEBYSHEV, MAX_DEGREE, MAX_STRIPS, ROWS, SAMPLE_COLUMNS, SAMPLE_ROWS, STACK_COLUMNS, STACK_ROWS
+from mat_core.curves.interval import (
+    AXIS_ROUNDING,
+    CHEBYSHEV,
+    MAX_DEGREE,
+    MAX_STRIPS,
+    ROWS,
+    SAMPLE_COLUMNS,
+    SAMPLE_ROWS,
+    STACK_COLUMNS,
+    STACK_ROWS,
+)
 from mat_core.errors import NotCertified
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import EDGE, LOOP
@@ -233,7 +243,8 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     strip_i = np.empty((n, 4), dtype=np.int64)
     strip_s = np.empty((n, 4))
     joined = np.empty(n, dtype=np.bool_)
-    travel(table.si, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward, strip_i, strip_s, joined)
+    travel(table.si, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward, strip_i, strip_s,
+           joined)
     way_i = np.empty((n, 2), dtype=np.int64)
     way_f = np.empty((n, 4))
     count = NO_ROOM

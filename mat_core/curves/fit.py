@@ -380,7 +380,8 @@ def _free_stretch(
                 top += 1
                 continue
             if even:
-                error = attempt(si, sf, cp, way_i, way_f, stack, top, m, math.inf, samples, hermite, newton, misses, points, steps)
+                error = attempt(si, sf, cp, way_i, way_f, stack, top, m, math.inf, samples, hermite, newton, misses, points,
+                                steps)
         row = ROWS * pieces
         if error < math.inf:
             write_fit(samples, m, hermite, newton, work, piece_cp, row)
@@ -436,6 +437,12 @@ def fit_strips(
                                       piece_cp, part_i, part_f, begin)
                 if count != NO_FIT:
                     break
+            if count == NO_FIT and end > w + 1:
+                # one after the other: most can be followed, and the one that cannot is told
+                for k in range(w + 1, end):
+                    joined[k] = False
+                count = begin
+                continue
         if count == NO_FIT:
             return NO_FIT - w
         if count < 0:

@@ -31,7 +31,8 @@ taken from the middle outwards in pairs, and |.| the norm |(x, y)| + |r|.
 2. |W (h - p_K)|: assumed, as for every function that is analytic around the interval, is that two more terms at a time
    the corrections D_k = max |W (p_k - p_{k-2})| fall at least as fast as the last two measured did. With their ratio
    q = D_K / D_{K-2}:    |W (h - p_K)| <= D_K (q + q^2 + ...) = D_K q / (1 - q).
-   A q above SLOW shows that the assumption has no ground yet: the interval is halved. A q below FAST may be chance and counts as FAST.
+   A q above SLOW shows that the assumption has no ground yet: the interval is cut. A q below FAST may be chance and counts
+   as FAST.
 
 The norm bounds both the distance in (x, y, r) and | |distance of (x, y) to the boundary| - r |: the boundary's distance
 changes by no more than the centre moves. Rounding is added where pieces become segments (`assemble`).
@@ -82,7 +83,7 @@ MIN_COSINE = 0.4  # of the angle between an end tangent and the chord; a piece t
 CHEBYSHEV = 0.5 - 0.5 * np.cos(np.pi * (np.arange(48) + 0.5) / 48.0)  # on [0, 1]
 SLOW = 0.7  # ratio of successive corrections above which they are not seen to fall
 FAST = 0.1  # ratio below which they may be small by chance
-AXIS_ROUNDING = 1e-13  # of true axis points (normalised), measured: 5e-14 where both sides have nearly one normal; corrections below are noise
+AXIS_ROUNDING = 1e-13  # of axis points (normalised); measured: 5e-14, where both sides have nearly one normal
 
 
 @inner
@@ -282,7 +283,7 @@ def _bound(samples: Floats, m: int, misses: Floats, points: Floats) -> float:
             elif k == n - 4:
                 last_but_one = max(last_but_one, math.sqrt(dx * dx + dy * dy) + abs(dr))
         largest = max(largest, math.sqrt(x * x + y * y) + abs(r))
-    last_but_one = max(last_but_one, AXIS_ROUNDING)
+    last_but_one = max(last_but_one, AXIS_ROUNDING)  # what is less says nothing
     q = max(last / last_but_one, FAST)
     if not q <= SLOW:
         return math.inf
