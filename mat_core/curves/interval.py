@@ -31,8 +31,8 @@ taken from the middle outwards in pairs, and |.| the norm |(x, y)| + |r|.
 2. |W (h - p_K)|: assumed, as for every function that is analytic around the interval, is that two more terms at a time
    the corrections D_k = max |W (p_k - p_{k-2})| fall at least as fast as the last two measured did. With their ratio
    q = D_K / D_{K-2}:    |W (h - p_K)| <= D_K (q + q^2 + ...) = D_K q / (1 - q).
-   A q above SLOW shows that the assumption has no ground yet: the interval is cut. A q below FAST may be chance and counts
-   as FAST.
+   q is kept between FAST, what is less may be chance, and SLOW: where corrections are not seen to fall (rounding, a joint
+   of the boundary that shows), those to come are taken for nine times the last one in all.
 
 The norm bounds both the distance in (x, y, r) and | |distance of (x, y) to the boundary| - r |: the boundary's distance
 changes by no more than the centre moves. Rounding is added where pieces become segments (`assemble`).
@@ -77,12 +77,12 @@ OUTER = 0.6  # abscissa of the checks beside the ends, relative to the first one
 CHASE = 4  # samples to bring such a check within NEAR_ENOUGH of its abscissa
 NEAR_ENOUGH = 0.04
 MIN_GAP = 0.02  # least distance of neighbouring abscissae; below, the interpolation would be ill-conditioned
+MARGIN = 0.15  # least distance of a check from what stands beside it, relative to the distance of these; nearer, W vanishes
 MIN_HALF = 0.02  # tau half way in s, from either end; a sample nearer says little about the other half
 MIN_COSINE = 0.4  # of the angle between an end tangent and the chord; a piece that turns more is halved
 
 CHEBYSHEV = 0.5 - 0.5 * np.cos(np.pi * (np.arange(48) + 0.5) / 48.0)  # on [0, 1]
-SLOW = 0.7  # ratio of successive corrections above which they are not seen to fall
-FAST = 0.1  # ratio below which they may be small by chance
+FAST, SLOW = 0.1, 0.9  # range of the ratio of successive corrections
 AXIS_ROUNDING = 1e-13  # of axis points (normalised); measured: 5e-14, where both sides have nearly one normal
 
 
@@ -252,7 +252,7 @@ def _weight(samples: Floats, m: int, t: float) -> float:
 
 @inner
 def _bound(samples: Floats, m: int, misses: Floats, points: Floats) -> float:
-    """Bound of the norm of F - X from its values `misses` (m + 3, 3) at the checks, as above; infinite without ground."""
+    """Bound of the norm of F - X from its values `misses` (m + 3, 3) at the checks, as above."""
     n = m + 3
     for k in range(n):
         weight = _weight(samples, m, samples[m + k, 0])
@@ -284,9 +284,7 @@ def _bound(samples: Floats, m: int, misses: Floats, points: Floats) -> float:
                 last_but_one = max(last_but_one, math.sqrt(dx * dx + dy * dy) + abs(dr))
         largest = max(largest, math.sqrt(x * x + y * y) + abs(r))
     last_but_one = max(last_but_one, AXIS_ROUNDING)  # what is less says nothing
-    q = max(last / last_but_one, FAST)
-    if not q <= SLOW:
-        return math.inf
+    q = min(max(last / last_but_one, FAST), SLOW)
     last = max(last, FAST * last_but_one)
     return largest / math.cos(math.pi * (m + 3.0) / points.shape[0]) + last * q / (1.0 - q)
 
@@ -327,13 +325,19 @@ def _chase_end(
 
 
 @inner
+def _well_inside(t: float, before: float, after: float) -> bool:
+    """Whether a check stands clear of its neighbours."""
+    return before + MARGIN * (after - before) < t < after - MARGIN * (after - before)
+
+
+@inner
 def attempt(
     si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, stack: Floats, top: int, m: int, tolerance: float,
     samples: Floats, hermite: Floats, newton: Floats, misses: Floats, points: Floats, steps: Floats,
 ) -> float:
     """Bound of the fit over the interval on top of the stack when it is within the tolerance; else about its error.
 
-    Assumes that the plan is made and runs evenly. Infinite when there is no fit, or no ground for a bound.
+    Assumes that the plan is made and runs evenly. Infinite when there is no fit, or samples stand where they tell nothing.
     """
     if not _hermite(stack, top, hermite):
         return math.inf
@@ -351,12 +355,19 @@ def attempt(
         row = m + k if k == 0 else m + k + 2
         place = m + 2 * step if k % 2 == 0 else m - 2 * step
         sample_at(si, sf, cp, way_i, way_f, _fraction(m, place), stack, top, samples, row, steps)
+        i = place // 2
+        before = samples[i - 1, 0] if i > 0 else 0.0
+        after = samples[i, 0] if i < m else 1.0
+        if not _well_inside(samples[row, 0], before, after):
+            return math.inf
         worst = max(worst, _miss(samples, row, m, hermite, newton, misses, row - m))
         if not worst <= tolerance:
             return worst
     for end in range(2):
         row = m + 1 + end
         _chase_end(si, sf, cp, way_i, way_f, stack, top, m, end, samples, row, steps)
+        if not _well_inside(samples[row, 0], samples[2 * m + 2, 0] if end else 0.0, 1.0 if end else samples[2 * m + 1, 0]):
+            return math.inf
         worst = max(worst, _miss(samples, row, m, hermite, newton, misses, row - m))
     if not worst <= tolerance:
         return worst
