@@ -4,6 +4,10 @@ Pieces of a run meet with a common tangent. Knot spans are proportional to lengt
 second span is chosen so that the derivatives agree, too: there the knot is one simpler (C1), the common control point
 is left out. Everywhere else inner knots have multiplicity `degree`. Conics keep weights 1 at their ends, so the
 homogeneous curve is continuous.
+
+Stated error of a segment, normalised: the largest bound of its pieces (`interval`; a conic's measured residual), where
+fitted AXIS_ROUNDING for the axis points it is held against, twice the largest distance a joint was moved to make it C1,
+and the rounding of coordinates, two units of the largest the caller sees: evaluating is done in those.
 """
 
 from __future__ import annotations
@@ -55,8 +59,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-FINE_TOLERANCE = 1e-5  # at and above: quintic pieces, below: degree 7 (fewer pieces from about there on)
-FINEST_TOLERANCE = 1e-8  # below: degree 9
+FINE_TOLERANCE = 2e-5  # at and above: quintic pieces, below: degree 7; a quarter fewer pieces at 1e-6
+FINEST_TOLERANCE = 2e-8  # below: degree 9; a fifth fewer pieces at 1e-9, a third at 1e-12
 ROUNDING = 4.5e-16  # of coordinates, the caller's: two roundings of the largest one
 LEAST_SHARE = 0.5  # of the tolerance that fits must keep, when rounding takes the rest or more
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot

@@ -17,7 +17,7 @@ weight is w:
     w^2 = <d, d> / (<d, d> + <e, e>)
 
 Where a conic bends sharply near one end (w > SHARP: discs that leave a narrow neck), d nearly is a ruling of the cone and
-<d, d> cancels. There V is put right as the pole of the chord, by one Newton step on three of its polar planes
+<d, d> cancels. There V is put right as the pole of the chord, by Newton steps on three of its polar planes
 
     Q(P0, V; 1) = Q(P0, V; 2) = Q(P2, V) = 0,    w^2 = -Q(P0, P2) / 2 Q(V, V),
     Q(X, Y) = kappa <GX, GY> - sigma <GX + GY, nu>        measured from p, the apex of a point's cone: nothing cancels
@@ -48,6 +48,7 @@ MAX_TURN = 1.75  # radians (100 degrees) a single quadratic may turn by: keeps i
 SAME_RADIUS = 1e-12  # two radii nearer than this, relative, give a straight bisector: its bulge would be as small
 EXACT = 1e-13  # an error this small is rounding
 SHARP = 8.0  # middle weight from which a conic is seen as bent at one place: V is put right
+RULING = 1e-6  # <d, d> relative to d below which the chord nearly is a ruling: likewise
 CHECKS = 9  # places where the error is measured; Q along the curve is t^2 (1 - t)^2 times a constant, but for rounding
 FLAT_APEX = 1e-3  # least slope dQ/dr used to turn a residual into a length; only matters at the apex of a cone
 
@@ -208,23 +209,29 @@ def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floa
         w = math.sqrt(dd / (dd + ee))
     else:
         ex = ey = er = 0.0
-    if w > SHARP:
-        vx, vy, vr, weight = _sharpen(px, py, nx, ny, kappa, sigma, qx, qy, ox, oy, lam, tau, p0, p2, mx + ex, my + ey, mr + er)
-        if weight > 0.0:
-            w = weight
-            ex = vx - mx
-            ey = vy - my
-            er = vr - mr
     for m in range(3):
         cp[row, m] = p0[m]
         cp[row + 2, m] = p2[m]
     cp[row, 3] = 1.0
     cp[row + 2, 3] = 1.0
     best = math.inf
-    for attempt in range(2):
+    for attempt in range(3):
         # discs that all touch nearly one point lie nearly on a line, and e is nearly 0/0: so the line itself is tried first
-        bulge = float(attempt)
-        weight = w if attempt == 1 else 1.0
+        bulge = 0.0 if attempt == 0 else 1.0
+        weight = w if attempt > 0 else 1.0
+        if attempt == 2:
+            if not (w > SHARP or dd <= RULING * (dx * dx + dy * dy + dr * dr)):
+                break
+            vx = mx + ex
+            vy = my + ey
+            vr = mr + er
+            for _ in range(2):
+                vx, vy, vr, weight = _sharpen(px, py, nx, ny, kappa, sigma, qx, qy, ox, oy, lam, tau, p0, p2, vx, vy, vr)
+            if not weight > 0.0:
+                break
+            ex = vx - mx
+            ey = vy - my
+            er = vr - mr
         error = 0.0
         for m in range(CHECKS):
             # a weight above 1 crowds the curve's ends at the ends of t
