@@ -259,7 +259,7 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
         piece_cp = np.empty((ROWS * room, 4))
         found_i = np.empty((room + n, 2), dtype=np.int64)
         found_f = np.empty((room + n, 4))
-        # ends after the first growth but for curves of many pieces; at the latest at MAX_PIECES for each strip
+        # ends after the first growth but for curves of many pieces; at the latest at MAX_PIECES for each stretch
         count = fit_strips(
             table.si, table.sf, table.cp, skeleton.disc, strip_i, strip_s, joined, wanted, degree,
             np.empty((STACK_ROWS, STACK_COLUMNS)), np.empty((SAMPLE_ROWS, SAMPLE_COLUMNS)), np.empty((4, 3)),
