@@ -39,9 +39,9 @@ class CurveTable(NamedTuple):
 
     degree (G,) and kind (G,), an index into `SEGMENT_KINDS`. Segment g has the knots
     knots[knot_start[g]:knot_start[g + 1]], from 0 to 1, and the rows cp[cp_start[g]:cp_start[g + 1]]: x, y, r, weight
-    (not multiplied by it). max_error (G,): measured, in (x, y, r) together. Pieces: part_start (G + 1,); part_i (P, 4):
+    (not multiplied by it). max_error (G,): a bound, see `Segment.max_error`. Pieces: part_start (G + 1,); part_i (P, 4):
     segment, strip, side, kind; part_f (P, 4): t0, t1 and the parameters s0, s1 at them on the strip's right site
-    (side 0) or left site (side 1).
+    (side 0) or left site (side 1). One polynomial may go through several pieces: a knot stands only where it ends.
     """
 
     degree: Ints
@@ -192,7 +192,8 @@ class MedialAxis:
     table, skeleton, runs, curves : SiteTable, Skeleton, AxisGraph, CurveTable
         The flat arrays underneath, in normalised coordinates.
     tolerance : float
-        Asked of fitted curves, relative to the larger side of the bounding box.
+        Asked of fitted curves, relative to the larger side of the bounding box. What each one keeps is its `Segment.max_error`;
+        the certificate's check ``curves_tolerance`` compares both.
     step : float or None
         Largest spacing of samples, relative likewise.
     certificate : mapping

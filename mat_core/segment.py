@@ -88,12 +88,19 @@ class Segment:
 
     @property
     def max_error(self) -> float:
-        """Largest distance from the true axis in (x, y, r), measured."""
+        """Bound of the curve's error, in the caller's unit: of what |(x, y)| and |r| are off the true axis, added.
+
+        Neither the distance of a disc (x, y, r) of the curve from the nearest true one, nor the difference between r and the
+        distance of (x, y) to the boundary is larger. Fitted curves: the remainder of the interpolation, from values at
+        Chebyshev points and from how fast its corrections fall (`mat_core.curves.interval` derives it and says what is assumed),
+        and 1e-13 of the size for the rounding of axis points. Exact ones: what rounding left, measured. Either: two roundings
+        of the largest coordinate the caller uses; a tolerance below that is not kept, and the figure here says so.
+        """
         return float(self.axis.curves.max_error[self.id] / self.axis.table.scale)
 
     @property
     def pieces(self) -> tuple[tuple[float, float, str], ...]:
-        """(t0, t1, kind) of every piece between two joints of the boundary."""
+        """(t0, t1, kind) of every piece between the same two sides; one polynomial may go through several (see `knots`)."""
         c = self.axis.curves
         rows = range(int(c.part_start[self.id]), int(c.part_start[self.id + 1]))
         return tuple((float(c.part_f[p, 0]), float(c.part_f[p, 1]), SEGMENT_KINDS[c.part_i[p, 3]]) for p in rows)

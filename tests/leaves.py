@@ -18,7 +18,7 @@ from tests.reference import SMOOTH_TURN, Floats, Ints, Reference
 LARGEST = 2.0  # no disc of a domain of size one is larger
 LEVEL = 1e-8  # relative change of curvature below which an arc is circular
 ALL_BUT_CIRCLE = 1e-6  # relative change of curvature along a loop that is a circle to the eye
-SLIGHT = 1e-11  # relative change of curvature that is none: rounding
+SLIGHT = 1e-10  # relative change of curvature that is none: rounding
 JOINT_BLUR = 1e-11  # rounding of a cell's second derivative, in its own parameter: what two cells differ by where they meet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
 DOUBT = 1e-7  # up to here nobody can say

@@ -57,7 +57,9 @@ CHECKS = {
     "curves_empty": Check(
         LENGTH, 1e-9, "how deep the boundary reaches into discs along curves, beyond their stated error"
     ),
-    "curves_tolerance": Check(LENGTH, 0.0, "largest stated error of a curve; the limit is the tolerance asked for"),
+    "curves_tolerance": Check(
+        LENGTH, 0.0, "largest stated error of a curve; the limit is the tolerance asked for, and the rounding of coordinates"
+    ),
 }
 
 ROUNDING = 16 * float(

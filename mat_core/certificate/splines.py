@@ -1,13 +1,11 @@
 """The fitted curves: do they run along the axis, through its discs, within the error they state?
 
-A curve's error is stated in (x, y, r) together. If the disc (c', r') is off a true axis disc (c, r) by e in that sense,
-then the distance of c' from either side differs from r' by at most |c' - c| + |r' - r| <= sqrt(2) e; that much is
-granted, no more.
+A curve states a bound e of |c' - c| + |r' - r| between its discs (c', r') and true axis discs (c, r). The distance of c'
+from either side then differs from r' by at most e; that much is granted, no more.
 """
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +20,6 @@ from mat_core.kernels.rows import spline_values
 SAMPLES = np.array(
     (0.057, 0.281, 0.473, 0.726, 0.894)
 )  # of a piece; at places of no symmetry, so not at those of a fit
-GRANTED = math.sqrt(2.0)
 
 
 class Sampled(NamedTuple):
@@ -146,7 +143,7 @@ def check_curves(
     t: SiteTable, skeleton: Discs, curves: Curves, sampled: Sampled, depth: Floats, strip_slack: Floats, report: Report
 ) -> None:
     """Samples of the curves touch either side of their strip, and the boundary stays out of them."""
-    granted = GRANTED * curves.max_error[sampled.segment] + strip_slack[sampled.strip]
+    granted = curves.max_error[sampled.segment] + strip_slack[sampled.strip]
     s = skeleton.strip_s[sampled.strip]
     distance = np.empty(len(granted))
     for side in range(2):

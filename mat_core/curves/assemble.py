@@ -4,6 +4,10 @@ Pieces of a run meet with a common tangent. Knot spans are proportional to lengt
 second span is chosen so that the derivatives agree, too: there the knot is one simpler (C1), the common control point
 is left out. Everywhere else inner knots have multiplicity `degree`. Conics keep weights 1 at their ends, so the
 homogeneous curve is continuous.
+
+Stated error of a segment, normalised: the largest bound of its pieces (`interval`; a conic's measured residual), where
+fitted AXIS_ROUNDING for the axis points it is held against, twice the largest distance a joint was moved to make it C1,
+and the rounding of coordinates, two units of the largest the caller sees: evaluating is done in those.
 """
 
 from __future__ import annotations
@@ -23,14 +27,26 @@ from mat_core.curves.fit import (
     P_ERROR,
     P_KIND,
     P_LENGTH,
-    P_S0,
-    P_S1,
-    P_SIDE,
-    P_STRIP,
+    P_PART,
+    Q_ROW,
+    Q_S0,
+    Q_S1,
+    Q_SIDE,
+    Q_T0,
+    Q_T1,
+    fit_strips,
+    travel,
+)
+from mat_core.curves.interval import (
+    AXIS_ROUNDING,
+    CHEBYSHEV,
+    MAX_DEGREE,
+    MAX_STRIPS,
     ROWS,
+    SAMPLE_COLUMNS,
+    SAMPLE_ROWS,
     STACK_COLUMNS,
     STACK_ROWS,
-    fit_strips,
 )
 from mat_core.errors import NotCertified
 from mat_core.kernels.jit import inner, jit
@@ -43,15 +59,16 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-FINE_TOLERANCE = 1e-7  # at and above: quintic pieces, below: degree 7 (fewer pieces from about there on)
-ROUNDING = 2e-16  # no stated error is less than the rounding of coordinates
-TRACE_ROUNDING = 1e-13  # nor that of a fitted piece less than the rounding of the axis points it is held against
+FINE_TOLERANCE = 2e-5  # at and above: quintic pieces, below: degree 7; a quarter fewer pieces at 1e-6
+FINEST_TOLERANCE = 2e-8  # below: degree 9; a fifth fewer pieces at 1e-9, a third at 1e-12
+ROUNDING = 4.5e-16  # of coordinates, the caller's: two roundings of the largest one
+LEAST_SHARE = 0.5  # of the tolerance that fits must keep, when rounding takes the rest or more
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
 
 
 @inner
-def raise_degree(cp: Floats, row: int, degree: int, wanted: int, out: Floats, to: int, backwards: bool) -> None:
-    """Write a Bezier with `wanted` + 1 control points, reversed on request; rows are x, y, r, w (not multiplied)."""
+def raise_degree(cp: Floats, row: int, degree: int, wanted: int, out: Floats, to: int) -> None:
+    """Write a Bezier with `wanted` + 1 control points; rows are x, y, r, w (not multiplied)."""
     for j in range(wanted + 1):
         total = 1.0
         for i in range(j):
@@ -72,7 +89,7 @@ def raise_degree(cp: Floats, row: int, degree: int, wanted: int, out: Floats, to
             y += share * cp[row + i, 1]
             r += share * cp[row + i, 2]
             w += share
-        place = to + (wanted - j if backwards else j)
+        place = to + j
         out[place, 0] = x / w
         out[place, 1] = y / w
         out[place, 2] = r / w
@@ -102,30 +119,28 @@ def _smooth_span(cp: Floats, joint: int, span: float) -> tuple[float, float]:
 @jit
 def assemble_runs(
     run_start: Ints, run_strip: Ints, run_forward: Flags, first: Ints, piece_i: Ints, piece_f: Floats, piece_cp: Floats,
-    degree: Ints, kind: Ints, max_error: Floats, knot_start: Ints, knots: Floats, cp_start: Ints, cp: Floats,
-    part_start: Ints, part_i: Ints, part_f: Floats,
-) -> int:
-    """All segments; strip run_strip[n] has the pieces first[n] .. first[n + 1]. Returns the number of parts.
+    found_i: Ints, found_f: Floats, rounding: float, degree: Ints, kind: Ints, max_error: Floats, knot_start: Ints,
+    knots: Floats, cp_start: Ints, cp: Floats, part_start: Ints, part_i: Ints, part_f: Floats,
+) -> None:
+    """All segments; the pieces of run g are first[run_start[g]] .. first[run_start[g + 1]], their parts found_i and found_f.
 
-    part_i (segment, strip, side, kind) and part_f (t0, t1, s0, s1) list the pieces in order of travel.
+    part_i (segment, strip, side, kind) and part_f (t0, t1, s0, s1) list the parts in order of travel.
     """
     cp_start[0] = 0
     knot_start[0] = 0
     part_start[0] = 0
-    parts = 0
     for g in range(degree.shape[0]):
+        begin = first[run_start[g]]
+        end = first[run_start[g + 1]]
         # 1. degree, kind and stated error of the whole run
         n = int(np.int64(1))
         error = 0.0
-        common = -1
-        for p in range(first[run_start[g]], first[run_start[g + 1]]):
+        common = piece_i[begin, P_KIND]
+        for p in range(begin, end):
             n = max(n, piece_i[p, P_DEGREE])
-            error = max(error, piece_f[p, P_ERROR])
-            if piece_i[p, P_KIND] == K_FREEFORM:
-                error = max(error, TRACE_ROUNDING)
-            if common == -1:
-                common = piece_i[p, P_KIND]
-            elif common != piece_i[p, P_KIND]:
+            fitted = piece_i[p, P_KIND] == K_FREEFORM
+            error = max(error, piece_f[p, P_ERROR] + (AXIS_ROUNDING if fitted else 0.0))
+            if common != piece_i[p, P_KIND]:
                 common = K_FREEFORM
         degree[g] = n
         kind[g] = common
@@ -139,43 +154,39 @@ def assemble_runs(
         span = 0.0
         defects = 0.0
         fitted_before = False
-        begin = parts
-        for step in range(run_start[g], run_start[g + 1]):
-            forward = run_forward[step]
-            for q in range(first[step], first[step + 1]):
-                p = q if forward else first[step] + first[step + 1] - 1 - q
-                fitted = piece_i[p, P_KIND] == K_FREEFORM and piece_i[p, P_DEGREE] == n
-                raise_degree(piece_cp, ROWS * p, piece_i[p, P_DEGREE], n, cp, row, not forward)
-                length = max(piece_f[p, P_LENGTH], 1e-15)
-                if parts > begin:
-                    smooth_span, defect = _smooth_span(cp, row, span)
-                    if fitted and fitted_before and defect <= C1_DEFECT:
-                        span = smooth_span
-                        defects += defect
-                        for m in range(row, row + n):
-                            for c in range(4):
-                                cp[m, c] = cp[m + 1, c]
-                        row -= 1
-                        knot -= 1
-                    else:
-                        span = length
-                else:
-                    span = length
-                part_i[parts, 0] = g
-                part_i[parts, 1] = piece_i[p, P_STRIP]
-                part_i[parts, 2] = piece_i[p, P_SIDE]
-                part_i[parts, 3] = piece_i[p, P_KIND]
-                part_f[parts, 0] = u
-                u += span
-                part_f[parts, 1] = u
-                part_f[parts, 2] = piece_f[p, P_S0] if forward else piece_f[p, P_S1]
-                part_f[parts, 3] = piece_f[p, P_S1] if forward else piece_f[p, P_S0]
-                parts += 1
-                row += n
-                for m in range(n):
-                    knots[knot + m] = u
-                knot += n
-                fitted_before = fitted
+        for p in range(begin, end):
+            fitted = piece_i[p, P_KIND] == K_FREEFORM and piece_i[p, P_DEGREE] == n
+            raise_degree(piece_cp, ROWS * p, piece_i[p, P_DEGREE], n, cp, row)
+            length = max(piece_f[p, P_LENGTH], 1e-15)
+            if p > begin and fitted and fitted_before:
+                smooth_span, defect = _smooth_span(cp, row, span)
+                span = length
+                if defect <= C1_DEFECT:
+                    span = smooth_span
+                    defects = max(defects, defect)
+                    for m in range(row, row + n):
+                        for c in range(4):
+                            cp[m, c] = cp[m + 1, c]
+                    row -= 1
+                    knot -= 1
+            else:
+                span = length
+            for q in range(piece_i[p, P_PART], piece_i[p + 1, P_PART]):
+                step = found_i[q, Q_ROW]
+                part_i[q, 0] = g
+                part_i[q, 1] = run_strip[step]
+                part_i[q, 2] = found_i[q, Q_SIDE] if run_forward[step] else 1 - found_i[q, Q_SIDE]
+                part_i[q, 3] = piece_i[p, P_KIND]
+                part_f[q, 0] = u + span * found_f[q, Q_T0]
+                part_f[q, 1] = u + span * found_f[q, Q_T1]
+                part_f[q, 2] = found_f[q, Q_S0]
+                part_f[q, 3] = found_f[q, Q_S1]
+            u += span
+            row += n
+            for m in range(n):
+                knots[knot + m] = u
+            knot += n
+            fitted_before = fitted
         row += 1
         knots[knot] = u
         knot += 1
@@ -184,14 +195,14 @@ def assemble_runs(
             knots[m] /= u
         for m in range(n + 1):
             knots[knot - 1 - m] = 1.0
-        for m in range(begin, parts):
+        part_start[g + 1] = piece_i[end, P_PART]
+        for m in range(part_start[g], part_start[g + 1]):
             part_f[m, 0] /= u
-            part_f[m, 1] = part_f[m, 1] / u if m < parts - 1 else 1.0
-        max_error[g] = max(error + defects, ROUNDING)
+            part_f[m, 1] = part_f[m, 1] / u if m < part_start[g + 1] - 1 else 1.0
+        # a joint moved by its defect moves either neighbouring piece by no more, and either has two
+        max_error[g] = error + 2.0 * defects + rounding
         cp_start[g + 1] = row
         knot_start[g + 1] = knot
-        part_start[g + 1] = parts
-    return parts
 
 
 def _cannot_follow(table: SiteTable, skeleton: Skeleton, strip: int, tolerance: float) -> NotCertified:
@@ -226,25 +237,37 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     NotCertified
         A strip cannot be followed: its discs and its sides do not belong together. Names the place and both sides.
     """
-    wanted = graph.run_strip
-    n = len(wanted)
+    n = len(graph.run_strip)
     runs = len(graph.start_node)
-    degree = 5 if tolerance >= FINE_TOLERANCE * 0.5 else 7
+    degree = _degree(tolerance)
+    rounding = ROUNDING * (1.0 + float(np.abs(table.origin).max()) * table.scale)
+    wanted = max(tolerance - rounding - AXIS_ROUNDING, LEAST_SHARE * tolerance)
     room = n + 8
     first = np.empty(n + 1, dtype=np.int64)
+    strip_i = np.empty((n, 4), dtype=np.int64)
+    strip_s = np.empty((n, 4))
+    joined = np.empty(n, dtype=np.bool_)
+    travel(table.si, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward, strip_i, strip_s,
+           joined)
+    way_i = np.empty((n, 2), dtype=np.int64)
+    way_f = np.empty((n, 4))
     count = NO_ROOM
     while count == NO_ROOM:
         room *= 4
-        piece_i = np.empty((room, 4), dtype=np.int64)
-        piece_f = np.empty((room, 4))
+        piece_i = np.empty((room + 1, 3), dtype=np.int64)
+        piece_f = np.empty((room, 2))
         piece_cp = np.empty((ROWS * room, 4))
-        # ends after the first growth but for curves of many pieces; at the latest at MAX_PIECES for each strip
+        found_i = np.empty((room + n, 2), dtype=np.int64)
+        found_f = np.empty((room + n, 4))
+        # ends after the first growth but for curves of many pieces; at the latest at MAX_PIECES for each stretch
         count = fit_strips(
-            table.si, table.sf, table.cp, skeleton.disc, skeleton.strip_i, skeleton.strip_s, wanted, tolerance, degree,
-            np.empty((STACK_ROWS, STACK_COLUMNS)), np.empty((12, 6)), np.empty((4, 3)), np.empty((4, 3)), np.empty(8),
-            np.empty(4), np.empty(3), np.empty(3), piece_i, piece_f, piece_cp, first)
+            table.si, table.sf, table.cp, skeleton.disc, strip_i, strip_s, joined, wanted, degree,
+            np.empty((STACK_ROWS, STACK_COLUMNS)), np.empty((SAMPLE_ROWS, SAMPLE_COLUMNS)), np.empty((4, 3)),
+            np.empty((MAX_DEGREE, 3)), np.empty((MAX_DEGREE, 3)), CHEBYSHEV, np.empty((MAX_STRIPS, 4)), np.empty(ROWS),
+            np.empty(3), np.empty(3), way_i, way_f, piece_i, piece_f, piece_cp, found_i, found_f, first)
     if count <= NO_FIT:
-        raise _cannot_follow(table, skeleton, int(wanted[NO_FIT - count]), tolerance)
+        raise _cannot_follow(table, skeleton, int(graph.run_strip[NO_FIT - count]), tolerance)
+    parts = int(piece_i[count, P_PART]) if count else 0
     degrees = np.empty(runs, dtype=np.int64)
     kinds = np.empty(runs, dtype=np.int64)
     max_error = np.empty(runs)
@@ -253,12 +276,19 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     cp_start = np.empty(runs + 1, dtype=np.int64)
     cp = np.empty((degree * count + runs, 4))
     part_start = np.empty(runs + 1, dtype=np.int64)
-    part_i = np.empty((count, 4), dtype=np.int64)
-    part_f = np.empty((count, 4))
-    assemble_runs(graph.run_start, wanted, graph.run_forward, first, piece_i, piece_f, piece_cp, degrees, kinds,
-                  max_error, knot_start, knots, cp_start, cp, part_start, part_i, part_f)
+    part_i = np.empty((parts, 4), dtype=np.int64)
+    part_f = np.empty((parts, 4))
+    assemble_runs(graph.run_start, graph.run_strip, graph.run_forward, first, piece_i, piece_f, piece_cp, found_i, found_f,
+                  rounding, degrees, kinds, max_error, knot_start, knots, cp_start, cp, part_start, part_i, part_f)
     return CurveTable(degrees, kinds, knot_start, knots[: knot_start[-1]], cp_start, cp[: cp_start[-1]], max_error,
                       part_start, part_i, part_f)
+
+
+def _degree(tolerance: float) -> int:
+    """Of fitted pieces."""
+    if tolerance < FINEST_TOLERANCE:
+        return 9
+    return 7 if tolerance < FINE_TOLERANCE else 5
 
 
 def build_axis(

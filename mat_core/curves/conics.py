@@ -16,6 +16,12 @@ weight is w:
     <e, d> = 0,    <e, N> = 0,    <e, B> = kappa <d, d>,    B = kappa (M - p) - sigma nu,
     w^2 = <d, d> / (<d, d> + <e, e>)
 
+Where a conic bends sharply near one end (w > SHARP: discs that leave a narrow neck), d nearly is a ruling of the cone and
+<d, d> cancels. There V is put right as the pole of the chord, by Newton steps on three of its polar planes
+
+    Q(P0, V; 1) = Q(P0, V; 2) = Q(P2, V) = 0,    w^2 = -Q(P0, P2) / 2 Q(V, V),
+    Q(X, Y) = kappa <GX, GY> - sigma <GX + GY, nu>        measured from p, the apex of a point's cone: nothing cancels
+
       V        e is of second order in d, so nothing cancels for short curves. The tangent turns by the mean of the
      /|\       turning of both normals, which is known beforehand: curves that turn by more than MAX_TURN are split,
     / e \      and the tangents are never parallel.
@@ -41,6 +47,9 @@ K_LINE, K_PARABOLA, K_HYPERBOLA, K_ELLIPSE, K_FREEFORM = range(5)
 MAX_TURN = 1.75  # radians (100 degrees) a single quadratic may turn by: keeps its weights above 0.6 for circles
 SAME_RADIUS = 1e-12  # two radii nearer than this, relative, give a straight bisector: its bulge would be as small
 EXACT = 1e-13  # an error this small is rounding
+SHARP = 8.0  # middle weight from which a conic is seen as bent at one place: V is put right
+RULING = 1e-6  # <d, d> relative to d below which the chord nearly is a ruling: likewise
+CHECKS = 9  # places where the error is measured; Q along the curve is t^2 (1 - t)^2 times a constant, but for rounding
 FLAT_APEX = 1e-3  # least slope dQ/dr used to turn a residual into a length; only matters at the apex of a cone
 
 
@@ -111,6 +120,49 @@ def _residual(
     return abs(q) / max(2.0 * abs(sigma - kappa * r), FLAT_APEX)
 
 
+@inner
+def _polar(
+    px: float, py: float, nx: float, ny: float, kappa: float, sigma: float, x: float, y: float, r: float
+) -> tuple[float, float, float, float]:
+    """Q(X, .) of a side as (a, b, c, d): Q(X, Y) = a yx + b yy + c yr + d for Y relative to (p, 0)."""
+    gx = x - px
+    gy = y - py
+    return kappa * gx - sigma * nx, kappa * gy - sigma * ny, sigma - kappa * r, -sigma * (gx * nx + gy * ny - r)
+
+
+@inner
+def _sharpen(
+    px: float, py: float, nx: float, ny: float, kappa: float, sigma: float, qx: float, qy: float, ox: float, oy: float,
+    lam: float, tau: float, p0: Floats, p2: Floats, x: float, y: float, r: float,
+) -> tuple[float, float, float, float]:
+    """V = (x, y, r) put right as the pole of the chord, and the middle weight; 0 when there is none."""
+    a0, b0, c0, d0 = _polar(px, py, nx, ny, kappa, sigma, p0[0], p0[1], p0[2])
+    a1, b1, c1, d1 = _polar(qx, qy, ox, oy, lam, tau, p0[0], p0[1], p0[2])
+    # the third plane through the side that bends: that of a line is the same everywhere
+    first = abs(kappa) >= abs(lam)
+    ux = px if first else qx
+    uy = py if first else qy
+    mx = nx if first else ox
+    my = ny if first else oy
+    rho = kappa if first else lam
+    ups = sigma if first else tau
+    a2, b2, c2, d2 = _polar(ux, uy, mx, my, rho, ups, p2[0], p2[1], p2[2])
+    f0 = a0 * (x - px) + b0 * (y - py) + c0 * r + d0
+    f1 = a1 * (x - qx) + b1 * (y - qy) + c1 * r + d1
+    f2 = a2 * (x - ux) + b2 * (y - uy) + c2 * r + d2
+    det = a0 * (b1 * c2 - b2 * c1) - b0 * (a1 * c2 - a2 * c1) + c0 * (a1 * b2 - a2 * b1)
+    if det == 0.0:
+        return x, y, r, 0.0
+    x -= (f0 * (b1 * c2 - b2 * c1) - b0 * (f1 * c2 - f2 * c1) + c0 * (f1 * b2 - f2 * b1)) / det
+    y -= (a0 * (f1 * c2 - f2 * c1) - f0 * (a1 * c2 - a2 * c1) + c0 * (a1 * f2 - a2 * f1)) / det
+    r -= (a0 * (b1 * f2 - b2 * f1) - b0 * (a1 * f2 - a2 * f1) + f0 * (a1 * b2 - a2 * b1)) / det
+    chord = a2 * (p0[0] - ux) + b2 * (p0[1] - uy) + c2 * p0[2] + d2
+    av, bv, cv, dv = _polar(ux, uy, mx, my, rho, ups, x, y, r)
+    own = av * (x - ux) + bv * (y - uy) + cv * r + dv
+    ratio = -0.5 * chord / own if own != 0.0 else 0.0
+    return x, y, r, math.sqrt(ratio) if ratio > 0.0 else 0.0
+
+
 @jit
 def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floats, row: int) -> float:
     """Write the quadratic from disc p0 to disc p2 to rows row .. row + 2 of `cp` (x, y, r, w); its measured error.
@@ -163,13 +215,31 @@ def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floa
     cp[row, 3] = 1.0
     cp[row + 2, 3] = 1.0
     best = math.inf
-    for attempt in range(2):
+    for attempt in range(3):
         # discs that all touch nearly one point lie nearly on a line, and e is nearly 0/0: so the line itself is tried first
-        bulge = float(attempt)
-        weight = w if attempt == 1 else 1.0
+        bulge = 0.0 if attempt == 0 else 1.0
+        weight = w if attempt > 0 else 1.0
+        if attempt == 2:
+            if not (w > SHARP or dd <= RULING * (dx * dx + dy * dy + dr * dr)):
+                break
+            vx = mx + ex
+            vy = my + ey
+            vr = mr + er
+            for _ in range(2):
+                vx, vy, vr, weight = _sharpen(px, py, nx, ny, kappa, sigma, qx, qy, ox, oy, lam, tau, p0, p2, vx, vy, vr)
+            if not weight > 0.0:
+                break
+            ex = vx - mx
+            ey = vy - my
+            er = vr - mr
         error = 0.0
-        for m in range(1, 4):
-            t = 0.25 * m
+        for m in range(CHECKS):
+            # a weight above 1 crowds the curve's ends at the ends of t
+            t = (m + 0.5) / CHECKS
+            if t < 0.5:
+                t = t / (t + weight * (1.0 - t))
+            elif t > 0.5:
+                t = weight * t / (weight * t + 1.0 - t)
             u = (1.0 - t) * (1.0 - t)
             v = 2.0 * t * (1.0 - t) * weight
             total = u + v + t * t

@@ -1,9 +1,9 @@
 """The true axis point and both footpoints that belong to a point of a fitted curve.
 
 On a conic the footpoints are those of the centre on a line, arc or point. On a fitted piece they are found on the
-sampled side, where the true axis point X(s) lies in the plane through the curve's point that is square to the chord:
-(X(s) - X) . d = 0, by a bracketed secant method (Illinois). Centres of curvature need no care: there s moves like the
-square root of the distance.
+sampled side, where the true axis point X(s) lies in the plane through the curve's point that is square to the chord d of
+the polynomial: (X(s) - X) . d = 0, by a bracketed secant method (Illinois). There the piece's error was bounded. Centres of
+curvature need no care: there s moves like the square root of the distance.
 """
 
 from __future__ import annotations
@@ -61,15 +61,12 @@ def foot_on(si: Ints, sf: Floats, i: int, lo: float, hi: float, x: float, y: flo
 @inner
 def _plane_root(
     si: Ints, sf: Floats, cp: Floats, i: int, s0: float, s1: float, j: int, lo: float, hi: float, x: float, y: float,
-    r: float, share: float, ends: Floats, out: Floats,
+    r: float, share: float, ends: Floats, dx: float, dy: float, dr: float, out: Floats,
 ) -> None:
-    """`out` = x, y, r, s, s_j of the axis point between s0 and s1 on side i that lies in a plane square to the chord.
+    """`out` = x, y, r, s, s_j of the axis point between s0 and s1 on side i that lies in a plane square to (dx, dy, dr).
 
-    That plane goes through (x, y, r); `ends` (6,) are the two discs of the chord.
+    That plane goes through (x, y, r); `ends` (6,) are discs in the planes of s0 and s1.
     """
-    dx = ends[3] - ends[0]
-    dy = ends[4] - ends[1]
-    dr = ends[5] - ends[2]
     size = math.sqrt(dx * dx + dy * dy + dr * dr)
     if size == 0.0:
         size = 1.0
@@ -122,14 +119,29 @@ def _on_fit(
     x = point[0]
     y = point[1]
     r = point[2]
+    # a polynomial may go on beyond the part's ends: its own ends are the knots around
+    hi = k0 + degree + 1
+    while hi < k1 - 1 and knots[hi] < part_f[part, 1]:
+        hi += 1
+    lo = hi - 1
+    while knots[lo] > part_f[part, 0]:
+        lo -= 1
+    spline_point(degree, knots, k0, k1, curve, c0, knots[lo], work, point)
+    dx = -point[0]
+    dy = -point[1]
+    dr = -point[2]
+    spline_point(degree, knots, k0, k1, curve, c0, knots[hi], work, point)
+    dx += point[0]
+    dy += point[1]
+    dr += point[2]
     for end in range(2):
         spline_point(degree, knots, k0, k1, curve, c0, part_f[part, end], work, point)
         for c in range(3):
             ends[3 * end + c] = point[c]
     if side == 0:
-        _plane_root(si, sf, cp, a, s0, s1, b, strip_s[strip, 3], strip_s[strip, 2], x, y, r, share, ends, found)
+        _plane_root(si, sf, cp, a, s0, s1, b, strip_s[strip, 3], strip_s[strip, 2], x, y, r, share, ends, dx, dy, dr, found)
     else:
-        _plane_root(si, sf, cp, b, s0, s1, a, strip_s[strip, 0], strip_s[strip, 1], x, y, r, share, ends, found)
+        _plane_root(si, sf, cp, b, s0, s1, a, strip_s[strip, 0], strip_s[strip, 1], x, y, r, share, ends, dx, dy, dr, found)
 
 
 @jit
@@ -179,20 +191,22 @@ def locate(
             if side == 0 and (at == a0 or at == a1):
                 sa = at
                 sb = b0 if at == a0 else b1
+                found[0], found[1], found[2], sj, dx, dy, dr = trace(si, sf, cp, a, sa, b, b1, b0)
             elif side == 1 and (at == b0 or at == b1):
                 sa = a0 if at == b0 else a1
                 sb = at
+                found[0], found[1], found[2], sj, dx, dy, dr = trace(si, sf, cp, b, sb, a, a0, a1)
             else:
                 _on_fit(si, sf, cp, a, b, strip_s, strip, side, s0, s1, min(max(share, 0.0), 1.0), degree[g], knots,
                         knot_start[g], knot_start[g + 1], curve, cp_start[g], part_f, lo, point, work, ends, found)
-                gap = math.sqrt((found[0] - x) ** 2 + (found[1] - y) ** 2 + (found[2] - r) ** 2)
-                # nearer to a centre of curvature than the true point can be told, the curve is the better one
-                if gap <= max_error[g]:
-                    x = found[0]
-                    y = found[1]
-                    r = found[2]
                 sa = found[3] if side == 0 else found[4]
                 sb = found[4] if side == 0 else found[3]
+            # nearer to a centre of curvature than the true point can be told, the curve is the better one
+            gap = math.sqrt((found[0] - x) ** 2 + (found[1] - y) ** 2 + (found[2] - r) ** 2)
+            if gap <= max_error[g]:
+                x = found[0]
+                y = found[1]
+                r = found[2]
         located[0, n] = x
         located[1, n] = y
         located[2, n] = r

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mat_core import MedialAxis
+from mat_core import Domain, MedialAxis, medial_axis
 from mat_core.kernels.layout import ARC, FAN, K0, KIND, LINE, TX0, TY0, X0, Y0
 from tests.curves.shapes import solved
+from tests.families import dumbbell
 
 EXACT = 1e-12  # of the larger side
 SHAPES = (
@@ -45,9 +46,8 @@ def gap(axis: MedialAxis, site: int, disc: np.ndarray[Any, Any]) -> np.ndarray[A
     return s / (1.0 + np.sqrt(np.maximum(1.0 - k * s, 0.0))) - disc[:, 2]
 
 
-def exact_pieces(name: str) -> list[tuple[tuple[str, str], str, float]]:
-    """(pair of sides, kind, worst error relative to the size) of every exact piece of a shape."""
-    axis = solved(name)
+def exact_pieces(axis: MedialAxis) -> list[tuple[tuple[str, str], str, float]]:
+    """(pair of sides, kind, worst error relative to the size) of every exact piece of an axis."""
     c, strips = axis.curves, axis.skeleton.strip_i
     found = []
     for p in range(len(c.part_i)):
@@ -68,7 +68,7 @@ def exact_pieces(name: str) -> list[tuple[tuple[str, str], str, float]]:
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_discs_touch_both_sides(name: str) -> None:
-    pieces = exact_pieces(name)
+    pieces = exact_pieces(solved(name))
     assert pieces
     assert max(worst for _, _, worst in pieces) <= EXACT
 
@@ -83,7 +83,7 @@ def test_stated_error_is_rounding(name: str) -> None:
 def test_all_ten_pairs_occur() -> None:
     sides = ("line", "point", "convex arc", "reflex arc")
     wanted = {tuple(sorted(pair)) for pair in itertools.combinations_with_replacement(sides, 2)}
-    found = Counter(pair for name in SHAPES for pair, _, _ in exact_pieces(name))
+    found = Counter(pair for name in SHAPES for pair, _, _ in exact_pieces(solved(name)))
     assert wanted == set(found)
 
 
@@ -101,7 +101,7 @@ def test_kinds_follow_from_the_pairs() -> None:
         ("convex arc", "reflex arc"): {"ellipse"},
     }
     for name in SHAPES:
-        for pair, kind, _ in exact_pieces(name):
+        for pair, kind, _ in exact_pieces(solved(name)):
             assert kind in allowed[pair], (name, pair, kind)
 
 
@@ -128,3 +128,11 @@ def test_parabola_between_a_corner_and_a_wall() -> None:
     # reflex corner of the L at distance 1 from the walls
     axis = solved("ell")
     assert "parabola" in {kind for s in axis.segments for _, _, kind in s.pieces}
+
+
+@pytest.mark.parametrize("neck", [1e-3, 1e-6, 1e-8])
+def test_discs_that_leave_a_narrow_neck_are_exact(neck: float) -> None:
+    # between the two corners of the neck r = sqrt(x^2 + neck^2 / 4): bent as sharply as the neck is narrow
+    content = dumbbell(neck)
+    axis = medial_axis(Domain.from_dict({"outer": content["outer"], "holes": content.get("holes", [])}))
+    assert max(worst for pair, _, worst in exact_pieces(axis) if pair == ("point", "point")) <= 1e-14

@@ -1,0 +1,87 @@
+"""Few pieces: polynomials go on where the boundary does, smooth at their knots, and end where it has a joint."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mat_core import Domain, MedialAxis, medial_axis
+from mat_core.axis import Segment
+from mat_core.kernels.layout import EDGE, LOOP, SPAN
+from tests.curves.shapes import solved
+from tests.curves.test_bound import outlines
+from tests.families import smooth
+
+Json = dict[str, Any]
+SHAPES = ("ellipse", "ellipse_4", "kidney", "blob", "blob_holes", "heart", "lens_one_edge", "mixed", "spiral")
+
+
+def spans(segment: Segment) -> list[tuple[float, float]]:
+    """Knot spans that hold a freeform piece."""
+    ends = np.unique(segment.knots)
+    middles = [0.5 * (t0 + t1) for t0, t1, kind in segment.pieces if kind == "freeform"]
+    return [(float(ends[i - 1]), float(ends[i])) for i in np.unique(np.searchsorted(ends, middles))]
+
+
+def pairs(axis: MedialAxis) -> int:
+    """Pairs of sides with a freeform curve between them."""
+    return len(np.unique(axis.curves.part_strip[axis.curves.part_i[:, 3] == 4]))
+
+
+@pytest.mark.parametrize(("tolerance", "most"), [(1e-6, 1.5), (1e-9, 2.0)])
+def test_pieces_a_pair_on_average(tolerance: float, most: float) -> None:
+    contents = [*outlines(), *(smooth(seed + 100, 7 + seed % 9) for seed in range(20))]
+    domains = [Domain.from_dict({"outer": c["outer"], "holes": c.get("holes", [])}) for c in contents]
+    axes = [medial_axis(d, tolerance=tolerance) for d in domains]
+    assert sum(len(spans(s)) for a in axes for s in a.segments) <= most * sum(pairs(a) for a in axes)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-10])
+@pytest.mark.parametrize("name", SHAPES)
+def test_one_derivative_at_knots_between_fitted_pieces(name: str, tolerance: float) -> None:
+    for s in solved(name, tolerance).segments:
+        found = spans(s)
+        inner = [b for _, b in found if any(a == b for a, _ in found)]
+        for knot in inner:
+            before, after = s.evaluate([np.nextafter(knot, 0), knot], derivative=True)
+            assert np.abs(before - after).max() <= 1e-7 * np.abs(after).max()
+            assert np.count_nonzero(s.knots == knot) < s.degree
+
+
+def test_an_ellipse_is_cut_at_none_of_its_vertices() -> None:
+    # one rational quadratic a quarter; the axis from leaf to leaf passes the disc at both ends of the minor axis
+    (segment,) = solved("ellipse", 1e-3).segments
+    assert len(segment.pieces) == 2
+    assert len(spans(segment)) <= 2
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_pieces_are_even_at_smooth_leaves(tolerance: float) -> None:
+    leaves = 0
+    for seed in range(12):
+        axis = medial_axis(Domain.from_dict(smooth(seed + 100, 7 + seed)), tolerance=tolerance)
+        si, strips, c = axis.table.si, axis.skeleton.strip_i, axis.curves
+        for s in axis.segments:
+            for node, part in ((s.start_node, c.part_start[s.id]), (s.end_node, c.part_start[s.id + 1] - 1)):
+                right, left = strips[c.part_strip[part], :2]
+                # both sides are one curve: the axis is even in the footpoint, and smooth in its square
+                one = np.array_equal(si[right][[LOOP, EDGE, SPAN]], si[left][[LOOP, EDGE, SPAN]])
+                if node is not None and axis.nodes[node].kind == "curvature_center" and one:
+                    leaves += 1
+                    assert np.count_nonzero(c.part_strip == c.part_strip[part]) <= 2
+    assert leaves > 20
+
+
+def test_a_segment_tells_what_rounding_leaves_of_its_tolerance() -> None:
+    content = smooth(104, 9)
+    moved = {"outer": [dict(e, control_points=[[x + 1e6, y - 1e6] for x, y in e["control_points"]]) for e in content["outer"]]}
+    axis = medial_axis(Domain.from_dict(moved), tolerance=1e-12)
+    worst = max(s.max_error for s in axis.segments)
+    unit = float(np.spacing(1e6))
+    assert unit <= worst <= 10 * unit
+    check = axis.certificate["checks"]["curves_tolerance"]
+    assert check["measured"] == pytest.approx(worst / axis.domain.size, rel=1e-6)
+    assert check["limit"] > check["measured"] > 1e-12
+    assert "rounding" in check["detail"]
