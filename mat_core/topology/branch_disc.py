@@ -173,7 +173,8 @@ def solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
         at, phi, s_0, s_other = partner_change(si, sf, cp, i, lo, hi, w_i, w_f, 0, other, tie)
     # where along the wall the disc lies the corner tells best, how large it is the opposite side
     phi, s_0 = touch_arc(si, sf, cp, i, at, w_i, w_f, 0, tie)
-    if not K_LOW < phi < math.inf:
+    # (an end of arc 0 may tie with the contact inside it: its vertex then is the other one)
+    if not K_LOW < phi < math.inf or (not 0.0 < s_0 < 1.0 and 0.0 < s[0] < 1.0):
         return 0
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, i, at, 0.0, 0.0)
     x = px - ty / phi
