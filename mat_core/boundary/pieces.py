@@ -78,7 +78,8 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
     for side in range(2):
         s = begin if side == 0 else end
         if 0.0 < s < 1.0:
-            x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[c0, 0], cp[c0, 1])
+            near = c0 if s <= 0.5 else c0 + deg
+            x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[near, 0], cp[near, 1])
             speed = math.sqrt(x1 * x1 + y1 * y1)
             if speed > 1e-9 * math.sqrt(x2 * x2 + y2 * y2):
                 tx = x1 / speed
@@ -134,10 +135,10 @@ def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
 
 
 @inner
-def _tight_cut(cp, c0, deg, begin, end):
+def _tight_cut(cp, c0, deg, rational, begin, end):
     """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`."""
-    x, y, ax, ay, bx, by = bezier_frame(cp, c0, deg, 0, begin, cp[c0, 0], cp[c0, 1])
-    x, y, dx, dy, ex, ey = bezier_frame(cp, c0, deg, 0, end, cp[c0, 0], cp[c0, 1])
+    x, y, ax, ay, bx, by = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
+    x, y, dx, dy, ex, ey = bezier_frame(cp, c0, deg, rational, end, cp[c0, 0], cp[c0, 1])
     first = ax * ax + ay * ay
     last = dx * dx + dy * dy
     if first == 0.0 or last == 0.0:
@@ -151,7 +152,7 @@ def _tight_cut(cp, c0, deg, begin, end):
     hi = end
     for _ in range(60):
         m = 0.5 * (lo + hi)
-        x, y, dx, dy, ex, ey = bezier_frame(cp, c0, deg, 0, m, cp[c0, 0], cp[c0, 1])
+        x, y, dx, dy, ex, ey = bezier_frame(cp, c0, deg, rational, m, cp[c0, 0], cp[c0, 1])
         if abs(math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)) < abs(half):
             lo = m
         else:
@@ -235,9 +236,8 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             end = stop
             while kind != LINE and end - begin > 1e-9 and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
                 end = begin + 0.5 * (end - begin)
-            # (a rational one with uneven weights has been halved already, and its digits do not reach that far)
-            if kind == SPIRAL and rational == 0:
-                end = _tight_cut(cp, c0, deg, begin, end)
+            if kind == SPIRAL:
+                end = _tight_cut(cp, c0, deg, rational, begin, end)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                 return -1, cp_used
             pieces_f[count, P_X], pieces_f[count, P_Y] = place_part(cp, c0, deg, rational, begin, end, table, cp_used)

@@ -58,6 +58,15 @@ LARGEST = 1.0  # no disc in a domain of size at most 1 has a radius over 1/2
 
 
 @inner
+def _from_centre(cp, c0, deg, rational, s, x, y):
+    """C - c with both derivatives of C; these are taken about the nearer end, or a tiny piece would lose their digits."""
+    ox = 0.0 if s <= 0.5 else cp[c0 + deg, 0]
+    oy = 0.0 if s <= 0.5 else cp[c0 + deg, 1]
+    dx, dy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, ox, oy)
+    return dx + (ox - x), dy + (oy - y), x1, y1, x2, y2
+
+
+@inner
 def _bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
     """(distance, s): a local minimum of |C(s) - c| on [lo, hi], by bracketed Newton on g = (C - c).C' from a guess."""
     a = lo
@@ -65,7 +74,7 @@ def _bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
     inset = INSET * (hi - lo)
     s = min(max(guess, lo + inset), hi - inset)
     for _ in range(NEWTON):
-        dx, dy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, x, y)
+        dx, dy, x1, y1, x2, y2 = _from_centre(cp, c0, deg, rational, s, x, y)
         g = dx * x1 + dy * y1
         if g > 0.0:
             b = s
@@ -82,7 +91,7 @@ def _bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
         end = lo if new <= a else hi
         if end == a or end == b:
             # an end that nothing has excluded yet is tried itself before halving
-            dx, dy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, end, x, y)
+            dx, dy, x1, y1, x2, y2 = _from_centre(cp, c0, deg, rational, end, x, y)
             g = dx * x1 + dy * y1
             if (g >= 0.0) if end == lo else (g <= 0.0):
                 return math.sqrt(dx * dx + dy * dy), end
@@ -90,7 +99,7 @@ def _bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
         if abs(new - s) <= 2e-16:
             break
         s = new
-    dx, dy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, x, y)
+    dx, dy, x1, y1, x2, y2 = _from_centre(cp, c0, deg, rational, s, x, y)
     return math.sqrt(dx * dx + dy * dy), s
 
 
