@@ -6,5 +6,16 @@ Each function takes a `MedialAxis` and gives a frozen result with `to_dict()`; a
 
 from mat_core.analysis.offset import Offset, OffsetEdge, OffsetLoop, OffsetRegion, offset, offsets
 from mat_core.analysis.parallel import Source
+from mat_core.analysis.reconstruct import Reconstruction, reconstruct
 
-__all__ = ["Offset", "OffsetEdge", "OffsetLoop", "OffsetRegion", "Source", "offset", "offsets"]
+__all__ = [
+    "Offset",
+    "OffsetEdge",
+    "OffsetLoop",
+    "OffsetRegion",
+    "Reconstruction",
+    "Source",
+    "offset",
+    "offsets",
+    "reconstruct",
+]

@@ -36,6 +36,7 @@ Flags = NDArray[np.bool_]
 
 POINTED = 1e-9  # 1 - r'^2 below this at an end is 0: a centre of curvature; of the slope of Q likewise
 NOTHING = 1e-14  # normalised: pieces this short have no sides
+WANDER = 1e-7  # normalised: by which errors of r' may move p along the boundary, to and fro
 DISCS = 9  # looked at along an item
 PLAIN, FROM_START, FROM_END = 0, 1, 2  # how v runs along t
 
@@ -90,7 +91,7 @@ class Envelope:
 
     def _fit(self, side: float, tolerance: float) -> Fits:
         return fit(lambda i, v: self._side(i, v, side)[0], lambda i, v: self._side(i, v, side)[1],
-                   len(self.items.piece), tolerance)
+                   len(self.items.piece), tolerance, noise=WANDER)
 
     def _cut(self) -> Items:
         """Pieces as they are, but for those that start or end at a centre of curvature: their halves."""

@@ -27,11 +27,10 @@ Curves = Callable[[Ints, Floats], Floats]  # (curve (n,), v (n,)) -> (n, 2)
 
 SAFETY = 1.5  # stated error over the largest measured one
 FINE = 5e-8  # from here down degree 7 needs fewer pieces than degree 5 (normalised lengths)
-ROUNDS = 24  # of halving: intervals of 1e-7 of their curve are not halved any more
+ROUNDS = 20  # of halving: intervals of 1e-6 of their curve are not halved any more
 SLOW = 0.02  # an end with a leg this short, relative to the chord, has no speed; a straight cubic's has 0.33
 NOISE = 1e-13  # an error this small is never halved away
-LOST = 1e-11  # nor one this small that halving the piece left at
-STALLED = 0.25  # of what it was, and more
+STALLED = 0.25  # of what it was, and more: what halving a piece leaves of an error of rounding
 ROUNDING = 4e-16  # no stated error is less
 NODES = {2: (0.18225, 0.337294, 0.5), 4: (0.09825, 0.186439, 0.2845, 0.390292, 0.5)}  # checks and nodes in turn, to the middle
 END_CHECK = 0.6  # one more check on the way from the outer one to the end
@@ -76,7 +75,9 @@ def _scheme(m: int) -> tuple[Floats, Floats, Floats]:
     return np.concatenate((nodes, checks)), matrix, bernstein(n, checks)
 
 
-def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, regular: bool = False) -> Fits:
+def fit(
+    points: Curves, derivatives: Curves, curves: int, tolerance: float, regular: bool = False, noise: float = 1e-11
+) -> Fits:
     """Fit the curves P_i(v), v in [0, 1], for i in range(curves).
 
     Parameters
@@ -88,6 +89,9 @@ def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, regu
         Largest error; what rounding keeps above it states the larger one.
     regular : bool
         Where a curve begins or ends without speed, the fit does not: its last bit, shorter than the tolerance, is straight.
+
+    noise : float
+        Errors up to this are not chased when halving does not make them smaller.
 
     Returns
     -------
@@ -125,7 +129,7 @@ def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, regu
             error[short] = chord[short]
             good |= short
         # halving helps no more: what is left is the rounding of the points themselves
-        good |= (error <= LOST) & (error >= STALLED * before)
+        good |= (error <= noise) & (error >= STALLED * before)
         if remaining == 0:
             good[:] = True
         before = np.repeat(error[~good], 2)

@@ -35,7 +35,7 @@ Ints = NDArray[np.int64]
 
 FIT_SHARE = 0.1  # of the axis's tolerance, for the curves of the boundary
 SNAP = 1e-9  # normalised: a shorter arc is rounding of e, which moves along the boundary only
-NEARLY_POINT = 1e-5  # normalised: a side that stays within so much of its start may be a vertex
+NEARLY_POINT = 0.1  # of what the disc turns: a side that stays within so much of its start may be a vertex
 POINT = 4.0  # errors of the axis by which discs may miss a vertex
 ILL_POSED = 1e-3  # directions told apart less than this, relative, do not move a vertex
 GAUSS_STEPS = 3
@@ -242,7 +242,10 @@ class _Rebuilder:
         """
         fits = self.envelope.right if side.sense > 0 else self.envelope.left
         control = fits.control[fits.of(side.item)].reshape(-1, 2)
-        if np.abs(control - control[0]).max() > NEARLY_POINT:
+        ends = self.envelope.ends
+        heading = np.arctan2(ends.forward[side.item, :, 1], ends.forward[side.item, :, 0]) - side.sense * ends.angle[side.item]
+        turn = abs(math.remainder(float(heading[1] - heading[0]), 2.0 * math.pi))
+        if np.abs(control - control[0]).max() > NEARLY_POINT * turn * float(ends.disc[side.item, :, 2].max()):
             return None
         discs = self.envelope.discs(side.item)
         vertex = control.mean(axis=0)
