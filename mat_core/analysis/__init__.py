@@ -4,9 +4,10 @@ Each function takes a `MedialAxis` and gives a frozen result with `to_dict()`; a
 `UnsupportedOption` that names it. Lengths are in the caller's unit.
 """
 
-from mat_core.analysis.offset import Offset, OffsetEdge, OffsetLoop, OffsetRegion, offset, offsets
+from mat_core.analysis.offset import offset, offsets
 from mat_core.analysis.parallel import Source
 from mat_core.analysis.reconstruct import Reconstruction, reconstruct
+from mat_core.analysis.regions import Offset, OffsetEdge, OffsetLoop, OffsetRegion
 
 __all__ = [
     "Offset",

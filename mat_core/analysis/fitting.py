@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -71,7 +72,7 @@ def _scheme(m: int) -> tuple[Floats, Floats, Floats]:
     rows[1, :2] = -n, n
     rows[-2, -2:] = -n, n
     rows[2:-2] = bernstein(n, nodes)
-    matrix: Floats = np.linalg.inv(rows)
+    matrix = np.asarray(np.linalg.inv(rows), dtype=np.float64)
     return np.concatenate((nodes, checks)), matrix, bernstein(n, checks)
 
 
@@ -169,7 +170,7 @@ def join(pieces: Sequence[Floats]) -> tuple[Floats, Floats]:
     knots = [0.0] * (n + 1)
     span = max(math.dist(pieces[0][0], pieces[0][-1]), ROUNDING)
     u = span
-    for before, after in zip(pieces[:-1], pieces[1:], strict=True):
+    for before, after in pairwise(pieces):
         arrive, leave = before[-1] - before[-2], after[1] - after[0]
         a, b = float(np.hypot(*arrive)), float(np.hypot(*leave))
         smooth = a > 0.0 and b > 0.0 and float(np.hypot(*(arrive * b - leave * a))) / (a + b) <= C1_DEFECT
