@@ -35,7 +35,7 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 POINTED = 1e-9  # 1 - r'^2 below this at an end is 0: a centre of curvature; of the slope of Q likewise
-NOTHING = 1e-14  # normalised: pieces this short have no sides
+NOTHING = 1e-11  # normalised: pieces this short have no direction to speak of, and so no sides
 WANDER = 1e-7  # normalised: by which errors of r' may move p along the boundary, to and fro
 DISCS = 9  # looked at along an item
 PLAIN, FROM_START, FROM_END = 0, 1, 2  # how v runs along t

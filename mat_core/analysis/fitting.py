@@ -29,6 +29,7 @@ Curves = Callable[[Ints, Floats], Floats]  # (curve (n,), v (n,)) -> (n, 2)
 SAFETY = 1.5  # stated error over the largest measured one
 FINE = 5e-8  # from here down degree 7 needs fewer pieces than degree 5 (normalised lengths)
 ROUNDS = 20  # of halving: intervals of 1e-6 of their curve are not halved any more
+WAITING = 64  # intervals waiting for each curve on average at which halving ends: these are not smooth
 SLOW = 0.02  # an end with a leg this short, relative to the chord, has no speed; a straight cubic's has 0.33
 NOISE = 1e-13  # an error this small is never halved away
 STALLED = 0.25  # of what it was, and more: what halving a piece leaves of an error of rounding
@@ -131,7 +132,7 @@ def fit(
             good |= short
         # halving helps no more: what is left is the rounding of the points themselves
         good |= (error <= noise) & (error >= STALLED * before)
-        if remaining == 0:
+        if remaining == 0 or len(item) > WAITING * (curves + 1):
             good[:] = True
         before = np.repeat(error[~good], 2)
         done.append((item[good], np.column_stack((lo, hi))[good], control[good], np.maximum(error[good], ROUNDING)))
