@@ -133,7 +133,7 @@ class Segment(Answer):
     radius: RadiusFunction
     pieces: list[Piece]
     samples: Samples | None = None
-    max_error: Annotated[FiniteFloat, Field(ge=0, description="bound of the curve's error in centre and radius together, in the caller's unit")]
+    max_error: Annotated[FiniteFloat, Field(ge=0, description="bound of the error of centre and radius together, caller's unit")]
 
 
 class Node(Answer):

@@ -19,7 +19,9 @@ from mat_core.model.curve import RationalBSpline
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-CHORDS = 16  # of a Bezier piece
+CHORDS = 16384  # of all Bezier pieces of a degree, about, shared evenly
+FEWEST, MOST = 8, 128  # of a piece
+SLACK = 1e-14  # relative: of distances that shapely rounds
 SAMPLES = 12  # points of a Bezier piece that are measured, its ends among them
 STEPS = 12  # of Newton's method
 
@@ -55,15 +57,16 @@ def farthest(from_curves: list[Pieces], to_curves: list[Pieces]) -> float:
     v = np.linspace(0.0, 1.0, SAMPLES)
     points = np.concatenate([_sampled(group, v)[2] for group in from_curves])
     chords = [_chords(group) for group in to_curves]
-    ends, bulge, piece, first = (np.concatenate(columns) for columns in zip(*chords, strict=True))
+    ends, bulge, piece, first, step = (np.concatenate(columns) for columns in zip(*chords, strict=True))
     owner = np.repeat(np.arange(len(chords)), [len(c[1]) for c in chords])
     tree = shapely.STRtree(shapely.linestrings(ends))
     where = shapely.points(points)
     reach = shapely.distance(where, tree.geometries[tree.nearest(where)])
+    scale = float(np.abs(ends).max())
     # a curve may be nearer than its chord: all whose bulge could make them the nearest
-    point, near = tree.query(where, predicate="dwithin", distance=reach + 2.0 * float(bulge.max()))
+    point, near = tree.query(where, predicate="dwithin", distance=reach + 2.0 * float(bulge.max()) + SLACK * scale)
     apart = shapely.distance(where[point], tree.geometries[near])
-    likely = apart <= reach[point] + bulge[near] + float(bulge.max()) * (apart > 0.0)
+    likely = apart <= reach[point] + bulge[near] + float(bulge.max()) + SLACK * scale
     point, near = point[likely], near[likely]
     chord = ends[near, 1] - ends[near, 0]
     length = np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
@@ -71,18 +74,19 @@ def farthest(from_curves: list[Pieces], to_curves: list[Pieces]) -> float:
     best = np.full(len(points), np.inf)
     for g, group in enumerate(to_curves):
         own = owner[near] == g
-        v0 = first[near[own]] + share[own] / CHORDS
+        v0 = first[near[own]] + share[own] * step[near[own]]
         np.minimum.at(best, point[own], _foot_distance(group, piece[near[own]], v0, points[point[own]]))
     return float(best.max())
 
 
-def _chords(group: Pieces) -> tuple[Floats, Floats, Ints, Floats]:
-    """Chords of a flattening: ends (n, 2, 2), how far the curve bulges from each, piece, v at the start."""
-    which, at, found = _sampled(group, np.linspace(0.0, 1.0, CHORDS + 1))
+def _chords(group: Pieces) -> tuple[Floats, Floats, Ints, Floats, Floats]:
+    """Chords of a flattening: ends (n, 2, 2), how far the curve bulges from each, piece, v at the start, its step."""
+    count = int(np.clip(CHORDS // len(group.homogeneous), FEWEST, MOST))
+    which, at, found = _sampled(group, np.linspace(0.0, 1.0, count + 1))
     begins = np.flatnonzero(at < 1.0)
     ends = np.stack((found[begins], found[begins + 1]), axis=1)
-    middle = group.evaluate(which[begins], at[begins] + 0.5 / CHORDS)[0]
-    return ends, 2.0 * np.hypot(*(middle - ends.mean(axis=1)).T), which[begins], at[begins]
+    middle = group.evaluate(which[begins], at[begins] + 0.5 / count)[0]
+    return ends, 2.0 * np.hypot(*(middle - ends.mean(axis=1)).T), which[begins], at[begins], np.full(len(begins), 1.0 / count)
 
 
 def _sampled(group: Pieces, v: Floats) -> tuple[Ints, Floats, Floats]:

@@ -35,7 +35,8 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 POINTED = 1e-9  # 1 - r'^2 below this at an end is 0: a centre of curvature; of the slope of Q likewise
-NOTHING = 1e-14  # normalised: pieces this short have no sides
+NOTHING = 10.0  # errors of its segment: a piece shorter than that has no direction to speak of, and so no sides
+WANDER = 1e-7  # normalised: by which errors of r' may move p along the boundary, to and fro
 DISCS = 9  # looked at along an item
 PLAIN, FROM_START, FROM_END = 0, 1, 2  # how v runs along t
 
@@ -73,6 +74,7 @@ class Envelope:
         weight = rows[:, :, 3:]
         self.homogeneous = np.concatenate((rows[:, :, :3] * weight, weight), axis=2)
         self.rows = rows
+        self.least = NOTHING * axis.curves.max_error[axis.curves.part_segment]
         self.items = self._cut()
         n = len(self.items.piece)
         both = np.repeat(np.arange(n), 2), np.tile([0.0, 1.0], n)
@@ -90,7 +92,7 @@ class Envelope:
 
     def _fit(self, side: float, tolerance: float) -> Fits:
         return fit(lambda i, v: self._side(i, v, side)[0], lambda i, v: self._side(i, v, side)[1],
-                   len(self.items.piece), tolerance)
+                   len(self.items.piece), tolerance, noise=WANDER)
 
     def _cut(self) -> Items:
         """Pieces as they are, but for those that start or end at a centre of curvature: their halves."""
@@ -99,7 +101,7 @@ class Envelope:
         span = np.hypot(rows[:, -1, 0] - rows[:, 0, 0], rows[:, -1, 1] - rows[:, 0, 1])
         items: list[tuple[int, float, float, int]] = []
         for p, n in enumerate(self.degree.tolist()):
-            if not span[p] > NOTHING and not self._bulges(p):
+            if not span[p] > self.least[p] and not self._bulges(p):
                 continue
             leg = (n * (rows[p, 1, :2] - rows[p, 0, :2]), n * (rows[p, n, :2] - rows[p, n - 1, :2]))
             free = bool((rows[p, :, 3] == 1.0).all())
@@ -114,7 +116,7 @@ class Envelope:
 
     def _bulges(self, p: int) -> bool:
         """Whether a piece whose ends coincide goes somewhere, nevertheless."""
-        return bool(np.abs(self.rows[p, :, :2] - self.rows[p, 0, :2]).max() > NOTHING)
+        return bool(np.abs(self.rows[p, :, :2] - self.rows[p, 0, :2]).max() > self.least[p])
 
     def _minkowski(self) -> list[Floats]:
         """Bernstein coefficients of Q for every polynomial piece (of the control polygon for rational ones)."""

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -27,11 +28,11 @@ Curves = Callable[[Ints, Floats], Floats]  # (curve (n,), v (n,)) -> (n, 2)
 
 SAFETY = 1.5  # stated error over the largest measured one
 FINE = 5e-8  # from here down degree 7 needs fewer pieces than degree 5 (normalised lengths)
-ROUNDS = 24  # of halving: intervals of 1e-7 of their curve are not halved any more
+ROUNDS = 20  # of halving: intervals of 1e-6 of their curve are not halved any more
+WAITING = 64  # intervals waiting for each curve on average at which halving ends: these are not smooth
 SLOW = 0.02  # an end with a leg this short, relative to the chord, has no speed; a straight cubic's has 0.33
 NOISE = 1e-13  # an error this small is never halved away
-LOST = 1e-11  # nor one this small that halving the piece left at
-STALLED = 0.25  # of what it was, and more
+STALLED = 0.25  # of what it was, and more: what halving a piece leaves of an error of rounding
 ROUNDING = 4e-16  # no stated error is less
 NODES = {2: (0.18225, 0.337294, 0.5), 4: (0.09825, 0.186439, 0.2845, 0.390292, 0.5)}  # checks and nodes in turn, to the middle
 END_CHECK = 0.6  # one more check on the way from the outer one to the end
@@ -72,11 +73,13 @@ def _scheme(m: int) -> tuple[Floats, Floats, Floats]:
     rows[1, :2] = -n, n
     rows[-2, -2:] = -n, n
     rows[2:-2] = bernstein(n, nodes)
-    matrix: Floats = np.linalg.inv(rows)
+    matrix = np.asarray(np.linalg.inv(rows), dtype=np.float64)
     return np.concatenate((nodes, checks)), matrix, bernstein(n, checks)
 
 
-def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, regular: bool = False) -> Fits:
+def fit(
+    points: Curves, derivatives: Curves, curves: int, tolerance: float, regular: bool = False, noise: float = 1e-11
+) -> Fits:
     """Fit the curves P_i(v), v in [0, 1], for i in range(curves).
 
     Parameters
@@ -88,6 +91,9 @@ def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, regu
         Largest error; what rounding keeps above it states the larger one.
     regular : bool
         Where a curve begins or ends without speed, the fit does not: its last bit, shorter than the tolerance, is straight.
+
+    noise : float
+        Errors up to this are not chased when halving does not make them smaller.
 
     Returns
     -------
@@ -125,8 +131,8 @@ def fit(points: Curves, derivatives: Curves, curves: int, tolerance: float, regu
             error[short] = chord[short]
             good |= short
         # halving helps no more: what is left is the rounding of the points themselves
-        good |= (error <= LOST) & (error >= STALLED * before)
-        if remaining == 0:
+        good |= (error <= noise) & (error >= STALLED * before)
+        if remaining == 0 or len(item) > WAITING * (curves + 1):
             good[:] = True
         before = np.repeat(error[~good], 2)
         done.append((item[good], np.column_stack((lo, hi))[good], control[good], np.maximum(error[good], ROUNDING)))
@@ -165,7 +171,7 @@ def join(pieces: Sequence[Floats]) -> tuple[Floats, Floats]:
     knots = [0.0] * (n + 1)
     span = max(math.dist(pieces[0][0], pieces[0][-1]), ROUNDING)
     u = span
-    for before, after in zip(pieces[:-1], pieces[1:], strict=True):
+    for before, after in pairwise(pieces):
         arrive, leave = before[-1] - before[-2], after[1] - after[0]
         a, b = float(np.hypot(*arrive)), float(np.hypot(*leave))
         smooth = a > 0.0 and b > 0.0 and float(np.hypot(*(arrive * b - leave * a))) / (a + b) <= C1_DEFECT

@@ -16,10 +16,11 @@ from mat_core.analysis.arguments import Argument, number, point_list, truth_valu
 from mat_core.analysis.centerline import Centerline, centerline
 from mat_core.analysis.inscribed import inscribed_discs
 from mat_core.analysis.nearest import nearest
-from mat_core.analysis.offset import TOLERANCE_RANGE, Offset, offset
+from mat_core.analysis.offset import TOLERANCE_RANGE, offset
 from mat_core.analysis.prune import prune
 from mat_core.analysis.pruned import PrunedAxis
 from mat_core.analysis.reconstruct import Reconstruction, reconstruct
+from mat_core.analysis.regions import Offset
 from mat_core.analysis.spans import stretch
 from mat_core.analysis.width import width
 from mat_core.axis import Point

@@ -12,9 +12,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from mat_core.analysis.offset import InwardOffsets, OffsetEdge, OffsetLoop, OffsetRegion
+from mat_core.analysis.inward import InwardOffsets
 from mat_core.analysis.outline import edge_dicts
 from mat_core.analysis.parallel import Source
+from mat_core.analysis.regions import OffsetEdge, OffsetLoop, OffsetRegion
 from mat_core.axis import MedialAxis
 from mat_core.errors import InvalidDomain, NotCertified
 from mat_core.model.curve import RationalBSpline

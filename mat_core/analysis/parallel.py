@@ -139,8 +139,8 @@ def _feet(table: SiteTable, site: Sequence[int] | Ints, s: Sequence[float] | Flo
 def parallel_points(table: SiteTable, site: Ints, s: Floats, distance: float) -> Floats:
     """Points (n, 2) at a distance along the normals at s of sites."""
     found = _feet(table, site, s)
-    points: Floats = found[:, :2] + distance * np.column_stack((np.cos(found[:, 3]), np.sin(found[:, 3])))
-    return points
+    normal = np.column_stack((np.cos(found[:, 3]), np.sin(found[:, 3])))
+    return np.asarray(found[:, :2] + distance * normal, dtype=np.float64)
 
 
 def _fit_all(
@@ -164,7 +164,7 @@ def _fit_all(
 
     def derivatives(curve: Ints, v: Floats) -> Floats:
         rows = [parallel(table, i, s, distance)[2:] for i, s in zip(site[curve].tolist(), at(curve, v).tolist(), strict=True)]
-        return np.array(rows).reshape(-1, 2) * (s1 - s0)[curve, None]
+        return np.asarray(np.array(rows).reshape(-1, 2) * (s1 - s0)[curve, None], dtype=np.float64)
 
     return fit(points, derivatives, len(free), tolerance, regular=True), first
 

@@ -15,15 +15,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.analysis.closing import Part, closed
 from mat_core.analysis.distance import farthest, pieces_of
 from mat_core.analysis.envelope import Envelope
-from mat_core.analysis.fitting import join
 from mat_core.analysis.outline import edge_dicts, measure
 from mat_core.analysis.parallel import QUARTER, arc_spline
 from mat_core.axis import MedialAxis
@@ -35,11 +34,10 @@ Ints = NDArray[np.int64]
 
 FIT_SHARE = 0.1  # of the axis's tolerance, for the curves of the boundary
 SNAP = 1e-9  # normalised: a shorter arc is rounding of e, which moves along the boundary only
-NEARLY_POINT = 1e-5  # normalised: a side that stays within so much of its start may be a vertex
+NEARLY_POINT = 0.1  # of what the disc turns: a side that stays within so much of its start may be a vertex
 POINT = 4.0  # errors of the axis by which discs may miss a vertex
 ILL_POSED = 1e-3  # directions told apart less than this, relative, do not move a vertex
 GAUSS_STEPS = 3
-LONGEST_LEAD = 0.5  # of a Bezier's parameter: how far its end may be led along itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,14 +85,6 @@ class _Side(NamedTuple):
 
     item: int
     sense: int
-
-
-class _Edge(NamedTuple):
-    """A part of a loop: Beziers in a row, or an arc, or nothing but a vertex that its neighbours meet in."""
-
-    pieces: list[Floats]
-    arc: RationalBSpline | None
-    vertex: Floats | None
 
 
 class _Gap(NamedTuple):
@@ -148,8 +138,8 @@ def reconstruct(axis: MedialAxis) -> Reconstruction:
 def _circle(axis: MedialAxis) -> list[list[RationalBSpline]]:
     """The boundary of a disc, whose axis is a point."""
     disc = axis.skeleton.disc[axis.runs.node_disc[0]]
-    edge = _Edge([], _arc_about(disc, disc[:2] + (disc[2], 0.0), 2.0 * math.pi), None)
-    return [_closed([edge])]
+    edge = Part([], _arc_about(disc, disc[:2] + np.array([disc[2], 0.0]), 2.0 * math.pi), None)
+    return [closed([edge])]
 
 
 def _arc_about(disc: Floats, begin: Floats, turn: float) -> RationalBSpline:
@@ -242,7 +232,10 @@ class _Rebuilder:
         """
         fits = self.envelope.right if side.sense > 0 else self.envelope.left
         control = fits.control[fits.of(side.item)].reshape(-1, 2)
-        if np.abs(control - control[0]).max() > NEARLY_POINT:
+        ends = self.envelope.ends
+        heading = np.arctan2(ends.forward[side.item, :, 1], ends.forward[side.item, :, 0]) - side.sense * ends.angle[side.item]
+        turn = abs(math.remainder(float(heading[1] - heading[0]), 2.0 * math.pi))
+        if np.abs(control - control[0]).max() > NEARLY_POINT * turn * float(ends.disc[side.item, :, 2].max()):
             return None
         discs = self.envelope.discs(side.item)
         vertex = control.mean(axis=0)
@@ -255,76 +248,20 @@ class _Rebuilder:
 
     def _draw(self, chain: list[_Side]) -> list[RationalBSpline]:
         """One loop of curves, ends joined."""
-        edges: list[_Edge] = []
+        edges: list[Part] = []
         smooth = False
         for side, after in zip(chain, chain[1:] + chain[:1], strict=True):
             gap = self._gap(side, after)
             vertex = self._vertex(side)
             if vertex is not None:
-                edges.append(_Edge([], None, vertex))
+                edges.append(Part([], None, vertex))
             elif smooth:
                 edges[-1].pieces.extend(self._controls(side))
             else:
-                edges.append(_Edge(self._controls(side), None, None))
+                edges.append(Part(self._controls(side), None, None))
             smooth = vertex is None and abs(gap.turn) * gap.disc[2] <= SNAP < gap.disc[2]
             smooth = smooth and self._vertex(after) is None
             if gap.turn * gap.disc[2] > SNAP:
                 p = vertex if vertex is not None else edges[-1].pieces[-1][-1]
-                edges.append(_Edge([], _arc_about(gap.disc, p, gap.turn), None))
-        return _closed(edges)
-
-
-def _closed(edges: list[_Edge]) -> list[RationalBSpline]:
-    """Splines of the edges; each ends where the next begins, at the vertex between them or halfway."""
-    drawn = [edge for edge in edges if edge.vertex is None]
-    vertices = _vertices_after(edges)
-    curves = [edge.arc for edge in drawn]
-    ends = [(c.control_points[0], c.control_points[-1]) if c else (e.pieces[0][0], e.pieces[-1][-1])
-            for c, e in zip(curves, drawn, strict=True)]
-    places = [vertex if vertex is not None else 0.5 * (ends[n][1] + ends[(n + 1) % len(ends)][0])
-              for n, vertex in enumerate(vertices)]
-    out = []
-    for n, (edge, curve) in enumerate(zip(drawn, curves, strict=True)):
-        start, end = places[n - 1], places[n]
-        if curve is None:
-            pieces = edge.pieces
-            pieces[0] = _led_to(pieces[0][::-1], start)[::-1]
-            pieces[-1] = _led_to(pieces[-1], end)
-            for a, b in pairwise(pieces):
-                a[-1] = b[0] = 0.5 * (a[-1] + b[0])
-            knots, control = join(pieces)
-            curve = RationalBSpline(len(pieces[0]) - 1, knots, control, np.ones(len(control)))
-        curve.control_points[0], curve.control_points[-1] = start, end
-        out.append(curve)
-    return out
-
-
-def _vertices_after(edges: list[_Edge]) -> list[Floats | None]:
-    """For each edge that is drawn the vertex that follows it, if one does."""
-    found: list[Floats | None] = []
-    leading: Floats | None = None
-    for edge in edges:
-        if edge.vertex is None:
-            found.append(None)
-        elif found:
-            found[-1] = edge.vertex
-        else:
-            leading = edge.vertex
-    if leading is not None and found[-1] is None:
-        found[-1] = leading
-    return found
-
-
-def _led_to(control: Floats, place: Floats) -> Floats:
-    """A Bezier cut off or drawn out along itself to where it is nearest to a place: both sides of a disc's joint meet so."""
-    leave = (len(control) - 1) * (control[-1] - control[-2])
-    speed_sq = float(leave @ leave)
-    more = float((place - control[-1]) @ leave) / speed_sq if speed_sq > 0.0 else 0.0
-    if not 0.0 < abs(more) < LONGEST_LEAD:
-        return control
-    out = control.copy()
-    row = control
-    for i in range(1, len(control)):
-        row = row[:-1] + (1.0 + more) * (row[1:] - row[:-1])
-        out[i] = row[0]
-    return out
+                edges.append(Part([], _arc_about(gap.disc, p, gap.turn), None))
+        return closed(edges)

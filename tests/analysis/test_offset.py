@@ -22,11 +22,10 @@ Json = dict[str, Any]
 
 SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
 FAMILIES = (
-    "rectangle", "ell", "comb", "star_7", "circle", "ellipse_flat", "stadium", "annulus", "eccentric_ring",
-    "square_round_hole", "parabola_cap", "gear", "keyhole", "dumbbell", "thorn", "kidney", "blob_holes", "mixed_holes",
-    "hole_grid", "plate", "pipe_bend",
+    "rectangle", "ell", "star_7", "circle", "ellipse_flat", "stadium", "annulus", "eccentric_ring", "square_round_hole",
+    "parabola_cap", "dumbbell", "thorn", "kidney", "mixed", "plate", "pipe_bend",
 )  # fmt: skip
-CHORDS = 400
+CHORDS = 200
 
 
 def solve(shape: Json, tolerance: float = 1e-9) -> MedialAxis:
@@ -216,7 +215,7 @@ def test_as_much_is_left_as_shapely_leaves(name: str) -> None:
         assert_eroded(axis, offset(axis, share * largest(axis)), shape)
 
 
-@pytest.mark.parametrize("index", range(0, 60, 3))
+@pytest.mark.parametrize("index", range(0, 60, 5))
 def test_outlines(index: int) -> None:
     rows = outlines()
     axis = solve(rows[index * len(rows) // 60])
@@ -229,7 +228,7 @@ def test_outlines(index: int) -> None:
             assert_eroded(axis, result, shape)
 
 
-@pytest.mark.parametrize("name", ["ell", "star_7", "gear", "blob", "mixed_holes", "stadium", "thorn", "dumbbell"])
+@pytest.mark.parametrize("name", ["ell", "star_7", "blob", "stadium", "thorn", "dumbbell"])
 def test_twice_is_once(name: str) -> None:
     """offset(offset(d1), d2) = offset(d1 + d2)."""
     axis = family(name)
@@ -247,7 +246,7 @@ def test_twice_is_once(name: str) -> None:
 
 
 # Outward -------------------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("name", ["rectangle", "ell", "comb", "circle", "annulus", "keyhole", "blob_holes", "hole_grid"])
+@pytest.mark.parametrize("name", ["rectangle", "ell", "comb", "circle", "annulus", "keyhole", "kidney"])
 def test_outward(name: str) -> None:
     axis = family(name)
     shape = boundary(axis)
