@@ -155,7 +155,7 @@ def _beside(si, sf, cp, i, s, j, phi):
 
 @inner
 def solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
-    """Solve the node of arcs 0, left, right once more along `left` or `right` where one begins beside the end of the other.
+    """Solve the node of arcs 0, left, right once more along `left` or `right` if it touches these near each other.
 
     `disc[d]`, contacts `s` (on arcs 0, left, right). One of the two may be the fan of the vertex, which cannot be walked along.
     Returns which of the contacts the disc was built on: its foot is exact.
@@ -163,7 +163,8 @@ def solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
     along = right if si[w_i[left, 0], KIND] == FAN else left
     other = left if along == right else right
     i = w_i[along, 0]
-    if si[i, KIND] == FAN or not _beside(si, sf, cp, i, s[1] if along == left else s[2], w_i[other, 0], 1.0 / disc[d, 2]):
+    near = STEEP * disc[d, 2]
+    if si[i, KIND] == FAN or _apart_sq(si, sf, cp, w_i[left, 0], s[1], w_i[right, 0], s[2]) > near * near:
         return 0
     lo = w_f[along, 0]
     hi = w_f[along, 1]
