@@ -50,6 +50,7 @@ INSET = 1e-3  # a first guess at an end is taken this share of the interval insi
 SETTLED = 1e-8  # a Newton step below this squares to rounding
 RETRIES = 6  # first guesses for a local foot
 CLOSE = 1e-10  # a foot this near to where a disc should touch is the one that was looked for
+POINTS = 8  # of the other side through which a first ball is laid
 BALL_STEPS = 40  # of the shrinking ball; five are usual
 BALL_SETTLED = 1e-14  # relative change of the radius that ends the iteration
 GROWTHS = 12  # doublings of the first radius until the ball meets the other side
@@ -384,11 +385,24 @@ def balls(si, sf, cp, site, site_s, frame, other, interval, disc, foot_s, partne
         s = 0.5 * (lo + hi)
         growths = 0
         qx = qy = ux = uy = 0.0
-        for _ in range(BALL_STEPS):
-            # of the local feet that both ends and the middle lead to, the one that allows the smallest ball
+        # the ball through the best of some points of the other side is not too small, and its foot is near that one
+        best = 0.0
+        for point in range(POINTS if si[j, KIND] == SPIRAL else 0):
+            at = lo + (point + 0.5) / POINTS * (hi - lo)
+            bx, by, vx, vy, k, speed = evaluate(si, sf, cp, j, at, ox, oy)
+            dx = bx - ax
+            dy = by - ay
+            ahead = 2.0 * (tx * dy - ty * dx)
+            if ahead > best * (dx * dx + dy * dy):
+                best = ahead / (dx * dx + dy * dy)
+                s = at
+        r = 1.0 / best if best > 0.0 else r
+        for step in range(BALL_STEPS):
+            # of the local feet that the last one, both ends and the middle lead to, the one that allows the smallest ball
             new = math.inf
-            for attempt in range(3 if si[j, KIND] == SPIRAL else 1):
-                guess = lo + 0.5 * attempt * (hi - lo)
+            last = s
+            for attempt in range(4 if si[j, KIND] == SPIRAL and step < 2 else 1):
+                guess = last if attempt == 0 else lo + 0.5 * (attempt - 1) * (hi - lo)
                 at = foot(si, sf, cp, j, lo, hi, px - r * ty, py + r * tx, guess)[1]
                 bx, by, vx, vy, k, speed = evaluate(si, sf, cp, j, at, ox, oy)
                 dx = bx - ax
