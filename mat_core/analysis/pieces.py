@@ -13,7 +13,7 @@ Ints = NDArray[np.int64]
 
 
 def bezier_pieces(axis: MedialAxis) -> tuple[Ints, Floats]:
-    """Every piece between two knots, in the order of `CurveTable`'s parts.
+    """Every piece, in the order of `CurveTable`'s parts: its own share of the polynomial that may go through several.
 
     Returns
     -------
@@ -35,10 +35,29 @@ def bezier_pieces(axis: MedialAxis) -> tuple[Ints, Floats]:
             k0, k1, c0, c1 = c.knot_start[g], c.knot_start[g + 1], c.cp_start[g], c.cp_start[g + 1]
             n = decompose(p, c.knots, k0, k1 - k0, control, c0, c1 - c0, out, breaks)
             own = slice(int(c.part_start[g]), int(c.part_start[g + 1]))
-            spans = np.arange(n)
-            if n != own.stop - own.start:  # pieces shorter than t can tell apart have no span of their own
-                spans = np.clip(np.searchsorted(breaks[: n + 1], c.part_f[own, :2].mean(axis=1)) - 1, 0, n - 1)
-            found = out[: n * (p + 1)].reshape(n, p + 1, 3)[spans]
+            spans = np.clip(np.searchsorted(breaks[: n + 1], c.part_f[own, :2].mean(axis=1)) - 1, 0, n - 1)
+            begin, end = breaks[spans], breaks[spans + 1]
+            share = np.clip((c.part_f[own, :2] - begin[:, None]) / (end - begin)[:, None], 0.0, 1.0)
+            found = _shares(out[: n * (p + 1)].reshape(n, p + 1, 3)[spans], share)
             rows[own, : p + 1][:, :, columns] = found
             rows[own, p + 1 :][:, :, columns] = found[:, -1:]
     return degree, rows
+
+
+def _shares(rows: Floats, share: Floats) -> Floats:
+    """The parts [a, b] of Beziers, rows (m, p + 1, 3): two coordinates and a weight; `share` (m, 2)."""
+    part = ((share[:, 0] > 0.0) | (share[:, 1] < 1.0)) & (share[:, 0] < share[:, 1])
+    if not part.any():
+        return rows
+    a, b = share[part, 0, None, None], share[part, 1, None, None]
+    h = rows[part].copy()
+    h[:, :, :2] *= h[:, :, 2:]
+    p = h.shape[1] - 1
+    for level in range(1, p + 1):
+        h[:, level:] = (1.0 - b) * h[:, level - 1 : -1] + b * h[:, level:]
+    for level in range(1, p + 1):
+        h[:, : p + 1 - level] = (1.0 - a / b) * h[:, : p + 1 - level] + a / b * h[:, 1 : p + 2 - level]
+    h[:, :, :2] /= h[:, :, 2:]
+    result = rows.copy()
+    result[part] = h
+    return result
