@@ -287,7 +287,8 @@ def _pass_on(si, sf, cp, i, skip, px, py, d0x, d0y, d1x, d1y, nx, ny, best, j, s
         vy = sf[corner, Y0]
         qx, qy, tx, ty, k, speed = evaluate(si, sf, cp, j, s, vx, vy)
         depth = qx * qx + qy * qy
-        convex = si[corner, CORNER] == CONVEX_VERTEX and depth * best * best < BESIDE * BESIDE
+        fan = si[j, KIND] == FAN or si[beyond, KIND] == FAN
+        convex = not fan and si[corner, CORNER] == CONVEX_VERTEX and depth * best * best < BESIDE * BESIDE
         at_end = s >= 1.0 if forward else s <= 0.0
         if beyond == i or beyond == skip or not (at_end or convex):
             break
