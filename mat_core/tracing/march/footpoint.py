@@ -1,0 +1,143 @@
+"""Appendix A: the footpoint on the other edge that belongs to a footpoint on this one, and the axis point of both.
+
+With D = C2 - C1, N = (-y', x') and T, n the same of unit length, the normals C1 + N1 alpha and C2 + N2 beta meet where
+
+    alpha = D.C2' / (C1' x C2'),     beta = D.C1' / (C1' x C2')                                                       (A1)
+
+(the second line before (A1) has a wrong sign in print, y1 + x1' alpha it must be; (A1) itself is right but for that). Equal
+lengths on the same side, |N1| alpha = |N2| beta, are D.(T2 - T1) = 0. The paper squares this,
+
+    0 = |N1|^2 (D.C2')^2 - |N2|^2 (D.C1')^2  =  |C1'|^2 |C2'|^2  [D.(T2 - T1)] [D.(T2 + T1)],                          (A4)
+
+which lets two families of wrong roots in: those of the second factor (one circle inside, the other side outside) and, since the
+denominator was multiplied away, those of T1 = T2 in the first (parallel normals that never meet). Both go when angles are
+compared instead. A chord makes the same angle with a circle at both of its ends,
+
+    h = angle(T1, D) - angle(D, T2) = angle(T2, R),     R = 2 (D.T1) D / |D|^2 - T1      (T1 reflected in D)           (A4')
+
+            R   T2               h = 0 is the root on the right side and h = pi the one on the wrong side; T1 = T2 is neither.
+             \\ /                 On a piece of monotone curvature h passes through 0, where the curvature criterion holds, once
+        D ----q----              and rising in u2.
+         p
+        T1
+
+The radius is alpha |N1| = |D|^2 / (2 n1.D), half the chord for opposite normals ("the normals overlap"): no case of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from mat_core.boundary.sites import SiteTable
+from mat_core.kernels.curve import evaluate
+from mat_core.kernels.layout import V0, V1, X0, X1, Y0, Y1
+
+ROOT_STEPS = 80
+ROOT_WIDTH = 2e-16  # of the parameter
+FIRST_REACH = 1e-9  # of the parameter: the first place looked at when nothing is known of the foot's pace
+TURNED = 3.0  # radians; h that falls by as much between two places has passed a half turn, not zero
+
+
+class AxisPoint(NamedTuple):
+    """Centre and radius of a disc, with its footpoints s on the right and on the left site."""
+
+    x: float
+    y: float
+    r: float
+    right: float
+    left: float
+
+
+def origin_of(t: SiteTable, i: int, s: float, j: int) -> tuple[float, float]:
+    """Where differences are taken from: the vertex that both sites share and that s is near, else the middle of the domain."""
+    begins = t.si[i, V0] in (t.si[j, V0], t.si[j, V1])
+    ends = t.si[i, V1] in (t.si[j, V0], t.si[j, V1])
+    if begins and not (ends and s > 0.5):
+        return float(t.sf[i, X0]), float(t.sf[i, Y0])
+    if ends:
+        return float(t.sf[i, X1]), float(t.sf[i, Y1])
+    return 0.0, 0.0
+
+
+def defect(px: float, py: float, tx: float, ty: float, qx: float, qy: float, ux: float, uy: float) -> float:
+    """h of (A4'), in (-pi, pi], for the points p and q with unit tangents t and u."""
+    dx = qx - px
+    dy = qy - py
+    along = 2.0 * (dx * tx + dy * ty)
+    dd = dx * dx + dy * dy
+    # |D|^2 R: no division where p and q meet
+    rx = along * dx - dd * tx
+    ry = along * dy - dd * ty
+    return math.atan2(ux * ry - uy * rx, ux * rx + uy * ry)
+
+
+def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float, limit: float, pace: float) -> float | None:
+    """The first root of (A4') on site j from `start` towards `limit`, for the footpoint s on site i; None if there is none.
+
+    The previous footpoint, `start`, is the initial guess of the paper; `pace` is how far the root is expected from it. The root is
+    bracketed by growing steps, then found by a secant method kept in the bracket (Illinois).
+    """
+    ox, oy = origin_of(t, i, s, j)
+    px, py, tx, ty, _, _ = evaluate(t.si, t.sf, t.cp, i, s, ox, oy)
+    sign = 1.0 if limit < start else -1.0
+
+    def side(at: float) -> float:
+        qx, qy, ux, uy, _, _ = evaluate(t.si, t.sf, t.cp, j, at, ox, oy)
+        return sign * defect(px, py, tx, ty, qx, qy, ux, uy)
+
+    a, fa = start, side(start)
+    if fa <= 0.0:
+        return start
+    reach = max(pace, FIRST_REACH)
+    while True:
+        b = max(a - reach, limit) if limit < start else min(a + reach, limit)
+        fb = side(b)
+        if fb <= 0.0 and fa - fb < TURNED:
+            return _between(side, a, fa, b, fb)
+        if b == limit:
+            return None
+        a, fa = b, fb
+        reach *= 2.0
+
+
+def _between(side, a, fa, b, fb) -> float:
+    """The root of `side` between a, where it is positive, and b, where it is not."""
+    last = 0
+    for step in range(ROOT_STEPS):
+        if fb == 0.0 or abs(b - a) <= ROOT_WIDTH:
+            break
+        m = (a * fb - b * fa) / (fb - fa) if step % 8 != 7 else 0.5 * (a + b)
+        if not min(a, b) < m < max(a, b):
+            m = 0.5 * (a + b)
+            if m in (a, b):
+                break
+        fm = side(m)
+        if fm > 0.0:
+            a, fa = m, fm
+            if last == 1:
+                fb *= 0.5
+            last = 1
+        else:
+            b, fb = m, fm
+            if last == -1:
+                fa *= 0.5
+            last = -1
+    return b
+
+
+def axis_point(t: SiteTable, a: int, right: float, b: int, left: float) -> AxisPoint | None:
+    """(A2) for a pair of footpoints: C1 + alpha N1; None if it lies on the wrong side (alpha not positive)."""
+    ox, oy = origin_of(t, a, right, b)
+    px, py, tx, ty, _, _ = evaluate(t.si, t.sf, t.cp, a, right, ox, oy)
+    qx, qy, ux, uy, _, _ = evaluate(t.si, t.sf, t.cp, b, left, ox, oy)
+    dx = qx - px
+    dy = qy - py
+    height = dy * tx - dx * ty
+    if not height > 0.0:
+        return None
+    r = 0.5 * (dx * dx + dy * dy) / height
+    # the middle of both: C1 + r n1 and C2 + r n2
+    x = ox + 0.5 * (px + qx - r * (ty + uy))
+    y = oy + 0.5 * (py + qy + r * (tx + ux))
+    return AxisPoint(x, y, r, right, left)
