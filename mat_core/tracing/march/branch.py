@@ -6,7 +6,7 @@ import math
 
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.layout import FAN, K0, K1, KIND
-from mat_core.tracing.march.checks import curvature_holds, cutting, nearest, touching
+from mat_core.tracing.march.checks import curvature_holds, cutting, touching
 from mat_core.tracing.march.footpoint import AxisPoint
 from mat_core.tracing.march.record import Contact, Disc, Record, around, disc_kind
 from mat_core.tracing.march.step import Pair, point_between
@@ -16,10 +16,11 @@ SAME_FOOT = 1e-5  # footpoints of a disc nearer than this, over its radius, are 
 
 
 def bisect_branch(record: Record, pair: Pair, good: AxisPoint, right: float, left: float,
-                  cut: list[int]) -> tuple[AxisPoint, list[int]]:
-    """The last axis point before the disc is cut, and the edges that cut it just after; section 5.2.
+                  cut: list[Contact]) -> tuple[AxisPoint, list[Contact]]:
+    """The last axis point before the disc is cut, and where edges cut it just after; section 5.2.
 
-    `good` passes the checks, footpoints `right` and `left` do not (by `cut`; empty where it is the curvature criterion).
+    `good` passes the checks, footpoints `right` and `left` do not (by `cut`; empty where it is the curvature criterion, or
+    where no left footpoint belongs to the right one).
     """
     t = record.table
     for _ in range(HALVINGS):
@@ -27,25 +28,24 @@ def bisect_branch(record: Record, pair: Pair, good: AxisPoint, right: float, lef
         if middle in (good.right, right):
             break
         point = point_between(record, pair, good, middle, left)
-        found = cutting(record, pair.a, pair.b, point.x, point.y, point.r)
+        found = cutting(record, pair.a, pair.b, point.x, point.y, point.r) if point is not None else []
         if found:
             cut = found
-        if found or not curvature_holds(t, pair.a, pair.b, point):
+        if point is None:
+            right = middle
+        elif found or not curvature_holds(t, pair.a, pair.b, point):
             right, left = middle, point.left
         else:
             good = point
     return good, cut
 
 
-def make_disc(record: Record, pair: Pair, p: AxisPoint, cut: list[int]) -> Disc:
+def make_disc(record: Record, pair: Pair, p: AxisPoint, cut: list[Contact]) -> Disc:
     """The disc of an axis point with all of its footpoints: those of the pair, of edges that cut it next, and of those that tie."""
-    t = record.table
     own = [record.contact(pair.a, p.right), record.contact(pair.b, p.left)]
     more, whole = touching(record, pair.a, pair.b, p.x, p.y, p.r)
     kept = list(dict.fromkeys([*own, *(at for at in more if at.site in whole or record.previous_site(at.site) in whole)]))
-    for site in cut:
-        distance, s = min(nearest(t, site, lo, hi, p.x, p.y) for lo, hi in record.open[site])
-        more.append(record.contact(site, s))
+    more += cut
     more.sort(key=lambda at: _slant(record, at, p))
     for at in more:
         if at not in kept and all(_apart(record, at, other) > SAME_FOOT * p.r for other in kept):

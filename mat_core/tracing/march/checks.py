@@ -26,7 +26,6 @@ from mat_core.tracing.march.record import Contact, Record
 
 CUT = 1e-13  # a disc is cut by an edge that is nearer to its centre by more than this: rounding of both
 CURVED = 1e-9  # relative excess of r k that is rounding
-TIE = 1e-11  # edges this near to the disc of a branch point touch it
 SIDEWAYS = 1e-6  # cosine between a contact's normal and the direction of the centre: larger, and it is no contact
 NEAR_SAMPLES = 8  # a spiral is looked at in so many places before the nearest point is closed in on
 NEAR_STEPS = 60
@@ -56,16 +55,17 @@ def within(record: Record, x: float, y: float, reach: float) -> NDArray[np.int64
     return np.flatnonzero(dx * dx + dy * dy < reach * reach)
 
 
-def cutting(record: Record, a: int, b: int, x: float, y: float, r: float) -> list[int]:
-    """Section 5.2: the untraced edges beside the pair (a, b) that reach into a disc."""
+def cutting(record: Record, a: int, b: int, x: float, y: float, r: float) -> list[Contact]:
+    """Section 5.2: where untraced edges beside the pair (a, b) reach deepest into a disc; one place for each."""
     if not r > CUT:
         return []
     found = []
     for site in within(record, x, y, r - CUT).tolist():
         if site in (a, b) or not record.is_open[site]:
             continue
-        if any(nearest(record.table, site, lo, hi, x, y)[0] < r - CUT for lo, hi in record.open[site]):
-            found.append(site)
+        distance, s = min(nearest(record.table, site, lo, hi, x, y) for lo, hi in record.open[site])
+        if distance < r - CUT:
+            found.append(record.contact(site, s))
     return found
 
 
@@ -142,10 +142,10 @@ def touching(record: Record, a: int, b: int, x: float, y: float, r: float) -> tu
     t = record.table
     contacts: list[Contact] = []
     whole: list[int] = []
-    for site in within(record, x, y, r + TIE).tolist():
+    for site in within(record, x, y, r + record.tie).tolist():
         if not record.is_open[site]:
             continue
-        if t.si[site, KIND] == ARC and _is_whole(t, site, x, y, r):
+        if t.si[site, KIND] == ARC and _is_whole(t, site, x, y, r, record.tie):
             contacts += [Contact(site, 0.0), Contact(record.next_site(site), 0.0)]
             whole.append(site)
             continue
@@ -153,15 +153,15 @@ def touching(record: Record, a: int, b: int, x: float, y: float, r: float) -> tu
             continue
         for lo, hi in record.open[site]:
             distance, s = nearest(t, site, lo, hi, x, y)
-            if distance <= r + TIE and _faces(t, site, s, x, y, r):
+            if distance <= r + record.tie and _faces(t, site, s, x, y, r):
                 contacts.append(record.contact(site, s))
     return contacts, whole
 
 
-def _is_whole(t: SiteTable, i: int, x: float, y: float, r: float) -> bool:
+def _is_whole(t: SiteTable, i: int, x: float, y: float, r: float, tie: float) -> bool:
     """Whether an arc lies on the circle of a disc."""
     k = t.sf[i, K0]
-    return bool(k > 0.0 and all(abs(_distance(t, i, s, x, y)[0] - r) <= TIE for s in (0.0, 0.5, 1.0)) and k * r > 0.5)
+    return bool(k > 0.0 and all(abs(_distance(t, i, s, x, y)[0] - r) <= tie for s in (0.0, 0.5, 1.0)) and k * r > 0.5)
 
 
 def _faces(t: SiteTable, i: int, s: float, x: float, y: float, r: float) -> bool:

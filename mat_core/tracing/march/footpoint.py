@@ -36,7 +36,7 @@ from mat_core.kernels.layout import V0, V1, X0, X1, Y0, Y1
 ROOT_STEPS = 80
 ROOT_WIDTH = 2e-16  # of the parameter
 FIRST_REACH = 1e-9  # of the parameter: the first place looked at when nothing is known of the foot's pace
-TURNED = 3.0  # radians; h that falls by as much between two places has passed a half turn, not zero
+TURNED = 3.0  # radians; h that falls by more between two places may have passed a half turn, not zero
 
 
 class AxisPoint(NamedTuple):
@@ -93,7 +93,7 @@ def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float
     while True:
         b = max(a - reach, limit) if limit < start else min(a + reach, limit)
         fb = side(b)
-        if fb <= 0.0 and fa - fb < TURNED:
+        if fb <= 0.0:
             return _between(side, a, fa, b, fb)
         if b == limit:
             return None
@@ -101,8 +101,18 @@ def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float
         reach *= 2.0
 
 
-def _between(side, a, fa, b, fb) -> float:
-    """The root of `side` between a, where it is positive, and b, where it is not."""
+def _between(side, a, fa, b, fb) -> float | None:
+    """The root of `side` between a, where it is positive, and b, where it is not; None where it jumps there by a full turn."""
+    while fa - fb > TURNED:
+        # a sharp corner, where D turns about within a short way, or a jump from -pi to pi
+        m = 0.5 * (a + b)
+        if abs(b - a) <= ROOT_WIDTH or m in (a, b):
+            return None
+        fm = side(m)
+        if fm > 0.0:
+            a, fa = m, fm
+        else:
+            b, fb = m, fm
     last = 0
     for step in range(ROOT_STEPS):
         if fb == 0.0 or abs(b - a) <= ROOT_WIDTH:

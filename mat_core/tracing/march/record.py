@@ -15,6 +15,8 @@ from mat_core.kernels.layout import ARC_CONTACT, EDGE, FAN, KIND, LEN, LOOP, NEX
 from mat_core.topology.skeleton import Skeleton
 
 SNAP = 1e-11  # footpoints nearer than this to the end of an edge, or to a contact of a known disc, are there
+TIE = 1e-11  # edges this near to the disc of a branch point touch it
+INPUT_ROUNDING = 8.9e-16  # of a coordinate: nor are edges told apart that the input's own rounding may have moved
 LARGEST_RADIUS = 0.5  # of a disc in a normalised domain
 
 
@@ -66,6 +68,8 @@ class Record:
         For each site the parts that are not traced (Proposition 1).
     is_open : ndarray of bool
         Whether a site has any.
+    tie : float
+        What is this near to the disc of a branch point touches it.
     """
 
     def __init__(self, table: SiteTable) -> None:
@@ -73,6 +77,7 @@ class Record:
         self.discs: list[Disc] = []
         self.strips: list[Strip] = []
         self.open: list[list[tuple[float, float]]] = [[(0.0, 1.0)] for _ in range(len(table.si))]
+        self.tie = max(TIE, INPUT_ROUNDING * float(np.abs(table.origin).max()) * table.scale)
         self.is_open = np.ones(len(table.si), dtype=np.bool_)
         self._known: list[list[tuple[float, int]]] = [[] for _ in range(len(table.si))]
 

@@ -11,11 +11,13 @@ is the end of an edge, as in Fig. 11(b), and with a fan of normals between two e
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+from mat_core.kernels.curve import evaluate
 from mat_core.kernels.layout import FAN, KIND, LEN, SWEEP
 from mat_core.tracing.march.footpoint import AxisPoint, axis_point, corresponding_footpoint
-from mat_core.tracing.march.record import SNAP, Record, lost
+from mat_core.tracing.march.record import SNAP, Record
 
 DUMMY_EDGES = 2.0  # radians between normals of a reflex vertex, in steps: no centre is farther from it than half the size
 
@@ -74,7 +76,8 @@ def parameter_step(record: Record, site: int, step: float) -> float:
 
 
 def tracing_step(record: Record, pair: Pair, now: AxisPoint, du: float, limits: Limits) -> tuple[AxisPoint | None, bool]:
-    """The next axis point, and whether a limit is reached with it. None: the shared joint ahead (5.5), or no axis point.
+    """The next axis point, and whether a limit is reached with it. None: the shared joint ahead (5.5); or,
+    with no limit reached, no left footpoint belongs to the next right one.
 
     Tasks 2 and 3 of section 5.1. Where the left footpoint would pass its limit, it is put there and the right one is sought.
     """
@@ -93,9 +96,9 @@ def tracing_step(record: Record, pair: Pair, now: AxisPoint, du: float, limits: 
         ended = True
         left = limits.left
         found = corresponding_footpoint(t, pair.b, left, pair.a, now.right, right, du)
-        if found is None:
+        right = right if found is None else found
+        if not _meets(record, pair, right, left):
             return None, False
-        right = found
     elif (left - limits.left) * record.length(pair.b) <= SNAP and not limits.closing:
         left = limits.left
         ended = True
@@ -105,11 +108,23 @@ def tracing_step(record: Record, pair: Pair, now: AxisPoint, du: float, limits: 
     return axis_point(t, pair.a, right, pair.b, left), ended
 
 
-def point_between(record: Record, pair: Pair, good: AxisPoint, right: float, left: float) -> AxisPoint:
-    """The axis point of a right footpoint between two that are known, by Appendix A; for the bisection of section 5.2."""
+def _meets(record: Record, pair: Pair, right: float, left: float) -> bool:
+    """Whether two footpoints belong together up to rounding: both edges may end at the same disc."""
     t = record.table
-    at = corresponding_footpoint(t, pair.a, right, pair.b, good.left, left, good.left - left)
-    point = axis_point(t, pair.a, right, pair.b, left if at is None else at)
+    point = axis_point(t, pair.a, right, pair.b, left)
     if point is None:
-        raise lost(t, good.x, good.y, "two normals meet on the outside only")
-    return point
+        return False
+    x, y, tx, ty, _, _ = evaluate(t.si, t.sf, t.cp, pair.a, right, point.x, point.y)
+    return math.hypot(x - point.r * ty, y + point.r * tx) <= SNAP
+
+
+def point_between(record: Record, pair: Pair, good: AxisPoint, right: float, left: float) -> AxisPoint | None:
+    """The axis point of a right footpoint after a good one, by Appendix A; for the bisection of section 5.2.
+
+    The left footpoint is not below `left`; None where there is none.
+    """
+    t = record.table
+    at = corresponding_footpoint(t, pair.a, right, pair.b, good.left, left, 0.0)
+    if at is None and _meets(record, pair, right, left):
+        at = left
+    return None if at is None else axis_point(t, pair.a, right, pair.b, at)

@@ -17,7 +17,7 @@ import math
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.layout import ARC, CONVEX_VERTEX, CORNER, CURVATURE_LEAF, EDGE, FAN, K0, K1, KIND, LOOP, VERTEX_LEAF
+from mat_core.kernels.layout import ARC, CONVEX_VERTEX, CORNER, CURVATURE_LEAF, EDGE, K0, K1, KIND, LOOP, VERTEX_LEAF
 from mat_core.tracing.march.branch import bisect_branch, curvature_ahead, halves_of, make_disc, pair_from
 from mat_core.tracing.march.checks import curvature_holds, cutting, violating_foot
 from mat_core.tracing.march.footpoint import AxisPoint, axis_point
@@ -83,7 +83,7 @@ class March:
             return 0.0
         before = self.record.previous_site(at.site)
         k = max(t.sf[before, K1], t.sf[at.site, K0])
-        if t.si[at.site, KIND] == FAN or not k > 0.0:
+        if not k > 0.0:
             x, y = self.record.point(at)
             raise lost(t, x, y, "both footpoints meet where the boundary is not convex")
         return float(1.0 / k)
@@ -109,9 +109,10 @@ class March:
             self.steps += 1
             taken += 1
             if point is None:
-                if not (ended and limits.closing):
-                    raise lost(t, now.x, now.y, f"no footpoint on {self._edges(pair)} belongs to the next one")
-                self._reach_joint(pair, good, exempt)
+                if ended:
+                    self._reach_joint(pair, good, exempt)
+                else:
+                    self._branch(pair, good, min(now.right + du, limits.right), limits.left, [])
                 return
             if not curvature_holds(t, pair.a, pair.b, point):
                 self._curvature_fails(pair, good, point)
@@ -150,11 +151,11 @@ class March:
         return " and ".join(f"edge {si[i, EDGE]} of loop {si[i, LOOP]}" for i in (pair.a, pair.b))
 
     # 3. Where a pair ends -----------------------------------------------------------------------------------------
-    def _branch(self, pair: Pair, good: AxisPoint, right: float, left: float, cut: list[int]) -> None:
+    def _branch(self, pair: Pair, good: AxisPoint, right: float, left: float, cut: list[Contact]) -> None:
         """5.2: the branch point between a good axis point and footpoints that are too far."""
         point, cut = bisect_branch(self.record, pair, good, right, left, cut)
         if not cut:
-            why = f"the curvature criterion fails on {self._edges(pair)} where no third edge touches the disc"
+            why = f"the trace of {self._edges(pair)} ends where no third edge touches the disc"
             raise lost(self.record.table, point.x, point.y, why)
         self._arrive(pair, point, self._disc_of(pair, point, cut))
 
@@ -168,7 +169,7 @@ class March:
         upwards = violating_foot(t, pair.a, pair.b, point) > 0
         at = curvature_ahead(record, pair.a if upwards else pair.b, upwards)
         before = record.previous_site(at.site)
-        if record.disc_at(at) < 0 and not {t.si[at.site, KIND], t.si[before, KIND]} & {FAN, ARC}:
+        if record.disc_at(at) < 0 and ARC not in (t.si[at.site, KIND], t.si[before, KIND]):
             r = self._leaf_radius(at)
             if not cutting(record, at.site, before, *self._centre(at, r), r):
                 pair.right, pair.left = good.right, good.left
@@ -203,7 +204,7 @@ class March:
                 return known
         return -1
 
-    def _disc_of(self, pair: Pair, point: AxisPoint, cut: list[int]) -> int:
+    def _disc_of(self, pair: Pair, point: AxisPoint, cut: list[Contact]) -> int:
         """The disc of an axis point where a pair ends: one that is known, or a new one, whose pairs then wait."""
         record = self.record
         disc = make_disc(record, pair, point, cut)
