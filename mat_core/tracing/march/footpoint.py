@@ -60,13 +60,11 @@ def origin_of(t: SiteTable, i: int, s: float, j: int) -> tuple[float, float]:
     return 0.0, 0.0
 
 
-def defect(px: float, py: float, tx: float, ty: float, qx: float, qy: float, ux: float, uy: float) -> float:
-    """h of (A4'), in (-pi, pi], for the points p and q with unit tangents t and u."""
-    dx = qx - px
-    dy = qy - py
+def defect(tx: float, ty: float, dx: float, dy: float, ux: float, uy: float) -> float:
+    """h of (A4'), in (-pi, pi], for the chord D and unit tangents t and u at its start and end."""
     along = 2.0 * (dx * tx + dy * ty)
     dd = dx * dx + dy * dy
-    # |D|^2 R: no division where p and q meet
+    # |D|^2 R: no division where both points meet
     rx = along * dx - dd * tx
     ry = along * dy - dd * ty
     return math.atan2(ux * ry - uy * rx, ux * rx + uy * ry)
@@ -76,29 +74,41 @@ def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float
     """The first root of (A4') on site j from `start` towards `limit`, for the footpoint s on site i; None if there is none.
 
     The previous footpoint, `start`, is the initial guess of the paper; `pace` is how far the root is expected from it. The root is
-    bracketed by growing steps, then found by a secant method kept in the bracket (Illinois).
+    bracketed by growing steps, then found by a secant method kept in the bracket (Illinois). On its way from `start` the absolute
+    value of h first falls, where W = k |D|^2 + 2 N2.D < 0, then rises (once, on a piece of monotone curvature): behind the place
+    where it turns there is nothing to be found.
     """
     ox, oy = origin_of(t, i, s, j)
     px, py, tx, ty, _, _ = evaluate(t.si, t.sf, t.cp, i, s, ox, oy)
     sign = 1.0 if limit < start else -1.0
 
-    def side(at: float) -> float:
-        qx, qy, ux, uy, _, _ = evaluate(t.si, t.sf, t.cp, j, at, ox, oy)
-        return sign * defect(px, py, tx, ty, qx, qy, ux, uy)
+    def side(at: float) -> tuple[float, bool]:
+        qx, qy, ux, uy, k, _ = evaluate(t.si, t.sf, t.cp, j, at, ox, oy)
+        dx, dy = qx - px, qy - py
+        falling = k * (dx * dx + dy * dy) + 2.0 * (dy * ux - dx * uy) <= 0.0
+        return sign * defect(tx, ty, dx, dy, ux, uy), falling
 
-    a, fa = start, side(start)
+    a, (fa, _) = start, side(start)
     if fa <= 0.0:
         return start
     reach = max(pace, FIRST_REACH)
+    past = limit
     while True:
-        b = max(a - reach, limit) if limit < start else min(a + reach, limit)
-        fb = side(b)
+        # halves where h was seen to rise again behind b, else ever longer steps
+        b = a - sign * reach if past == limit else 0.5 * (a + past)
+        b = max(b, limit) if limit < start else min(b, limit)
+        fb, falling = side(b)
         if fb <= 0.0:
             return _between(side, a, fa, b, fb)
-        if b == limit:
+        if falling:
+            if b == limit or b == a:
+                return None
+            a, fa = b, fb
+            reach *= 2.0
+        elif b == past and past != limit or abs(b - a) <= ROOT_WIDTH:
             return None
-        a, fa = b, fb
-        reach *= 2.0
+        else:
+            past = b
 
 
 def _between(side, a, fa, b, fb) -> float | None:
@@ -108,7 +118,7 @@ def _between(side, a, fa, b, fb) -> float | None:
         m = 0.5 * (a + b)
         if abs(b - a) <= ROOT_WIDTH or m in (a, b):
             return None
-        fm = side(m)
+        fm = side(m)[0]
         if fm > 0.0:
             a, fa = m, fm
         else:
@@ -122,7 +132,7 @@ def _between(side, a, fa, b, fb) -> float | None:
             m = 0.5 * (a + b)
             if m in (a, b):
                 break
-        fm = side(m)
+        fm = side(m)[0]
         if fm > 0.0:
             a, fa = m, fm
             if last == 1:

@@ -118,7 +118,7 @@ class March:
                 self._curvature_fails(pair, good, point)
                 return
             known = self._known_end(pair, point, limits) if ended else -1
-            if known >= 0:
+            if known >= 0 and self._agrees(point, known):
                 self._arrive(pair, point, known)
                 return
             if ended or (taken % self.check_step == 0 and not exempt):
@@ -128,7 +128,7 @@ class March:
                     return
                 good = point
             if ended:
-                self._arrive(pair, point, self._disc_of(pair, point, []))
+                self._arrive(pair, point, known if known >= 0 else self._disc_of(pair, point, []))
                 return
             now = point
 
@@ -221,8 +221,8 @@ class March:
         record = self.record
         disc = record.discs[number]
         half, right, left = self._half_of(pair, point, disc)
-        apart = math.hypot(disc.x - point.x, disc.y - point.y) + abs(disc.r - point.r)
-        if half < 0 or number == pair.disc and half == pair.half or (number, half) in self._done or not apart <= AGREE:
+        taken = (number, half) in self._done or (number, half) == (pair.disc, pair.half)
+        if half < 0 or taken or not self._agrees(point, number):
             why = f"tracing {self._edges(pair)} ends at a disc that has other footpoints, so a branch point was missed before"
             raise lost(record.table, point.x, point.y, why)
         record.add_strip(Strip(pair.a, pair.b, pair.disc, number, pair.a0, right, pair.b0, left))
@@ -230,6 +230,11 @@ class March:
         if number not in self._met:
             self._met.add(number)
             self._wait(number, pair.from_branch, half)
+
+    def _agrees(self, point: AxisPoint, number: int) -> bool:
+        """Whether the disc of an axis point is a known one."""
+        disc = self.record.discs[number]
+        return math.hypot(disc.x - point.x, disc.y - point.y) + abs(disc.r - point.r) <= AGREE
 
     def _half_of(self, pair: Pair, point: AxisPoint, disc: Disc) -> tuple[int, float, float]:
         """(contact, right, left): which contact of a disc the left footpoint has come to, the right one to the next; -1 if none."""
