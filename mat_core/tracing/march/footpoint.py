@@ -36,6 +36,7 @@ from mat_core.kernels.layout import V0, V1, X0, X1, Y0, Y1
 ROOT_STEPS = 80
 ROOT_WIDTH = 2e-16  # of the parameter
 FIRST_REACH = 1e-9  # of the parameter: the first place looked at when nothing is known of the foot's pace
+NEAR_JOINT = 1e-3  # of the way left to a joint that both edges share: nearer, the pair has reached it
 TURNED = 3.0  # radians; h that falls by more between two places may have passed a half turn, not zero
 
 
@@ -74,9 +75,9 @@ def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float
     """The first root of (A4') on site j from `start` towards `limit`, for the footpoint s on site i; None if there is none.
 
     The previous footpoint, `start`, is the initial guess of the paper; `pace` is how far the root is expected from it. The root is
-    bracketed by growing steps, then found by a secant method kept in the bracket (Illinois). On its way from `start` the absolute
-    value of h first falls, where W = k |D|^2 + 2 N2.D < 0, then rises (once, on a piece of monotone curvature): behind the place
-    where it turns there is nothing to be found.
+    bracketed by growing steps, then found by a secant method kept in the bracket (Illinois). On the way from `start` |h| falls
+    where W = k |D|^2 + 2 N2.D < 0, and W changes its sign once at most on a piece of monotone curvature: behind the place where
+    |h| rises again there is nothing to be found.
     """
     ox, oy = origin_of(t, i, s, j)
     px, py, tx, ty, _, _ = evaluate(t.si, t.sf, t.cp, i, s, ox, oy)
@@ -88,27 +89,33 @@ def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float
         falling = k * (dx * dx + dy * dy) + 2.0 * (dy * ux - dx * uy) <= 0.0
         return sign * defect(tx, ty, dx, dy, ux, uy), falling
 
-    a, (fa, _) = start, side(start)
+    a, (fa, fell) = start, side(start)
     if fa <= 0.0:
-        return start
+        # at a smooth joint, where h is nothing at all, the way leads on; else the root is here but for rounding
+        a = start - sign * FIRST_REACH
+        fa, fell = side(a)
+        if fa <= 0.0 or (limit - a) * sign > 0.0:
+            return start
+    # a shared joint itself has no chord
+    qx, qy, *_ = evaluate(t.si, t.sf, t.cp, j, limit, ox, oy)
+    if qx == px and qy == py:
+        limit += NEAR_JOINT * (a - limit)
     reach = max(pace, FIRST_REACH)
     past = limit
     while True:
         # halves where h was seen to rise again behind b, else ever longer steps
         b = a - sign * reach if past == limit else 0.5 * (a + past)
-        b = max(b, limit) if limit < start else min(b, limit)
+        b = max(b, limit) if sign > 0.0 else min(b, limit)
         fb, falling = side(b)
         if fb <= 0.0:
             return _between(side, a, fa, b, fb)
-        if falling:
-            if b == limit or b == a:
-                return None
-            a, fa = b, fb
-            reach *= 2.0
-        elif b == past and past != limit or abs(b - a) <= ROOT_WIDTH:
+        if b in (a, limit) or abs(b - a) <= ROOT_WIDTH:
             return None
-        else:
+        if fell and not falling:
             past = b
+        else:
+            a, fa, fell = b, fb, falling
+            reach *= 2.0
 
 
 def _between(side, a, fa, b, fb) -> float | None:
