@@ -14,6 +14,7 @@ one MAT segment for a pair of boundary segments", which the proof uses, is false
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,18 +106,25 @@ def _arc_foot(t: SiteTable, i: int, x: float, y: float) -> float:
 
 
 def _nearest_on_spiral(t: SiteTable, i: int, lo: float, hi: float, x: float, y: float) -> tuple[float, float]:
-    """The best of a few places, then the sign change of (C - p).T beside it."""
-    places = [lo + m * (hi - lo) / NEAR_SAMPLES for m in range(NEAR_SAMPLES)] + [hi]
-    best, k = min((_distance(t, i, s, x, y)[0], m) for m, s in enumerate(places))
+    """The best of both ends and of every place between where (C - p).T rises through zero."""
 
     def slope(s: float) -> float:
         dx, dy, tx, ty, _, _ = evaluate(t.si, t.sf, t.cp, i, s, x, y)
         return float(dx * tx + dy * ty)
 
-    a, b = places[max(k - 1, 0)], places[min(k + 1, NEAR_SAMPLES)]
-    fa, fb = slope(a), slope(b)
-    if fa >= 0.0 or fb <= 0.0:
-        return best, places[k]
+    places = [lo + m * (hi - lo) / NEAR_SAMPLES for m in range(NEAR_SAMPLES)] + [hi]
+    slopes = [slope(s) for s in places]
+    feet = [lo, hi]
+    for m in range(NEAR_SAMPLES):
+        if slopes[m] < 0.0 < slopes[m + 1]:
+            feet.append(_rising_zero(slope, places[m], slopes[m], places[m + 1], slopes[m + 1]))
+        elif slopes[m] == 0.0:
+            feet.append(places[m])
+    return min(_distance(t, i, s, x, y) for s in feet)
+
+
+def _rising_zero(slope: Callable[[float], float], a: float, fa: float, b: float, fb: float) -> float:
+    """Where `slope` passes zero between a, where it is negative, and b, where it is positive (Illinois)."""
     last = 0
     for step in range(NEAR_STEPS):
         m = (a * fb - b * fa) / (fb - fa) if step % 8 != 7 else 0.5 * (a + b)
@@ -124,8 +132,7 @@ def _nearest_on_spiral(t: SiteTable, i: int, lo: float, hi: float, x: float, y: 
             break
         fm = slope(m)
         if fm == 0.0:
-            a = b = m
-            break
+            return m
         if fm < 0.0:
             a, fa = m, fm
             fb *= 0.5 if last == -1 else 1.0
@@ -134,7 +141,7 @@ def _nearest_on_spiral(t: SiteTable, i: int, lo: float, hi: float, x: float, y: 
             b, fb = m, fm
             fa *= 0.5 if last == 1 else 1.0
             last = 1
-    return min(_distance(t, i, a, x, y), _distance(t, i, b, x, y))
+    return 0.5 * (a + b)
 
 
 def touching(record: Record, a: int, b: int, x: float, y: float, r: float) -> tuple[list[Contact], list[int]]:

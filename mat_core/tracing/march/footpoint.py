@@ -96,9 +96,9 @@ def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float
         fa, fell = side(a)
         if fa <= 0.0 or (limit - a) * sign > 0.0:
             return start
-    # a shared joint itself has no chord
+    # at a shared joint h says nothing: there is no chord, or one along a straight edge
     qx, qy, *_ = evaluate(t.si, t.sf, t.cp, j, limit, ox, oy)
-    if qx == px and qy == py:
+    if qx == 0.0 and qy == 0.0:
         limit += NEAR_JOINT * (a - limit)
     reach = max(pace, FIRST_REACH)
     past = limit
