@@ -25,11 +25,13 @@ from mat_core.kernels.layout import ARC, FAN, K0, KIND, LEN, LINE, SWEEP, TX0, T
 from mat_core.tracing.march.footpoint import AxisPoint
 from mat_core.tracing.march.record import Contact, Record
 
-CUT = 1e-13  # a disc is cut by an edge that is nearer to its centre by more than this: rounding of both
+CUT = 1e-15  # a disc is cut by an edge that is nearer to its centre by more than this: rounding of both
 CURVED = 1e-9  # relative excess of r k that is rounding
 SIDEWAYS = 1e-6  # cosine between a contact's normal and the direction of the centre: larger, and it is no contact
 NEAR_SAMPLES = 8  # a spiral is looked at in so many places before the nearest point is closed in on
-NEAR_STEPS = 60
+NEAR_STEPS = 80
+NEAR_WIDTH = 2e-16
+SLOPE_ROUNDING = 1e-17
 
 
 def curvature_holds(t: SiteTable, a: int, b: int, p: AxisPoint) -> bool:
@@ -129,9 +131,11 @@ def _rising_zero(slope: Callable[[float], float], a: float, fa: float, b: float,
     for step in range(NEAR_STEPS):
         m = (a * fb - b * fa) / (fb - fa) if step % 8 != 7 else 0.5 * (a + b)
         if not a < m < b:
+            m = 0.5 * (a + b)
+        if not a < m < b or b - a <= NEAR_WIDTH:
             break
         fm = slope(m)
-        if fm == 0.0:
+        if abs(fm) <= SLOPE_ROUNDING:
             return m
         if fm < 0.0:
             a, fa = m, fm

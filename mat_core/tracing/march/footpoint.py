@@ -4,7 +4,7 @@ With D = C2 - C1, N = (-y', x') and T, n the same of unit length, the normals C1
 
     alpha = D.C2' / (C1' x C2'),     beta = D.C1' / (C1' x C2')                                                       (A1)
 
-(the second line before (A1) has a wrong sign in print, y1 + x1' alpha it must be; (A1) itself is right but for that). Equal
+(in print the second line before (A1) has a wrong sign: y1 + x1' alpha it must be, as N says; (A1) follows from the right one). Equal
 lengths on the same side, |N1| alpha = |N2| beta, are D.(T2 - T1) = 0. The paper squares this,
 
     0 = |N1|^2 (D.C2')^2 - |N2|^2 (D.C1')^2  =  |C1'|^2 |C2'|^2  [D.(T2 - T1)] [D.(T2 + T1)],                          (A4)
@@ -35,6 +35,7 @@ from mat_core.kernels.layout import V0, V1, X0, X1, Y0, Y1
 
 ROOT_STEPS = 80
 ROOT_WIDTH = 2e-16  # of the parameter
+ANGLE_ROUNDING = 2e-16  # of h itself
 FIRST_REACH = 1e-9  # of the parameter: the first place looked at when nothing is known of the foot's pace
 NEAR_JOINT = 1e-3  # of the way left to a joint that both edges share: nearer, the pair has reached it
 TURNED = 3.0  # radians; h that falls by more between two places may have passed a half turn, not zero
@@ -140,6 +141,8 @@ def _between(side, a, fa, b, fb) -> float | None:
             if m in (a, b):
                 break
         fm = side(m)[0]
+        if abs(fm) <= ANGLE_ROUNDING:
+            return m
         if fm > 0.0:
             a, fa = m, fm
             if last == 1:
