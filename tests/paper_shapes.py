@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.families import arc, bezier, circle_hole, line, polyline, shape, spiral
+from tests.families import arc, bezier, circle_hole, line, polar, polyline, shape, spiral
 
 Json = dict[str, Any]
 Edge = dict[str, Any]
@@ -50,15 +50,16 @@ def object_2() -> Json:
 
 
 def object_3() -> Json:
-    """Fig. 16: concave vertices between free-form edges."""
-    corners: Points = [(0, 0), (2, 0.6), (4, 0), (3.3, 1.6), (4.2, 3.4), (2.1, 2.7), (-0.1, 3.2), (0.8, 1.7)]
-    sway = [0.2, -0.15, 0.2, -0.15, -0.2, 0.15, 0.2, -0.15]
+    """Fig. 16: concave vertices between free-form edges; five arms."""
+    reach = [1.9, 0.75, 1.5, 0.6, 2.1, 0.8, 1.6, 0.7, 1.8, 0.65]
+    corners = [polar(radius, 0.3 + math.pi * k / 5) for k, radius in enumerate(reach)]
+    sway = [0.06, -0.08, 0.05, 0.08, -0.07, 0.06, -0.05, 0.07, 0.06, -0.06]
     edges = []
     for k, (x0, y0) in enumerate(corners):
         x1, y1 = corners[(k + 1) % len(corners)]
         nx, ny = (y1 - y0) * sway[k], (x0 - x1) * sway[k]
-        third = [(x0 + m * (x1 - x0) / 3, y0 + m * (y1 - y0) / 3) for m in (1, 2)]
-        edges.append(bezier([(x0, y0), (third[0][0] + nx, third[0][1] + ny), (third[1][0] - nx, third[1][1] - ny), (x1, y1)]))
+        inner = [(x0 + m * (x1 - x0) / 3 + (3 - 2 * m) * nx, y0 + m * (y1 - y0) / 3 + (3 - 2 * m) * ny) for m in (1, 2)]
+        edges.append(bezier([(x0, y0), *inner, (x1, y1)]))
     return shape("object_3", edges)
 
 
@@ -104,7 +105,7 @@ def small_hole() -> Json:
 
 def pocket() -> Json:
     """A hole in the pocket of a convex corner, beyond the reach of the branch disc beside it: Proposition 2."""
-    return shape("pocket", polyline([(0, 0), (4, 0), (4, 1), (0, 1)]), [circle_hole((3.88, 0.12), 0.05)], cycles=1)
+    return shape("pocket", polyline([(0, 0), (4, 0), (4, 1), (0, 1)]), [circle_hole((3.93, 0.07), 0.04)], cycles=1)
 
 
 def twice() -> Json:
