@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core import Domain
+from mat_core import Domain, MatError
 from mat_core.boundary.sites import SiteTable, build_sites
 from mat_core.kernels.curve import evaluate
+from mat_core.kernels.layout import VERTEX_LEAF
 from mat_core.tolerances import LADDER
 from mat_core.tracing.march import DEFAULT_CHECK_STEP, default_step
 from mat_core.tracing.march.footpoint import AxisPoint, axis_point, corresponding_footpoint
@@ -37,12 +38,17 @@ _STYLE = """
 
 
 class Trace(NamedTuple):
-    """A march and what it left behind: points and footpoints of every strip, in the caller's coordinates; steps; its error."""
+    """A march and what it left behind.
+
+    points, feet: of every strip, (n, 2) and (n, 2, 2), in the caller's coordinates; steps: tracing steps taken; corners: convex
+    vertices met; error: what ended it early.
+    """
 
     points: list[Floats]
     feet: list[Floats]
     steps: int
-    error: Exception | None
+    corners: int
+    error: MatError | None
 
 
 def march_of(domain: Domain, step: float | None = None, check_step: int | None = None) -> Trace:
@@ -51,10 +57,10 @@ def march_of(domain: Domain, step: float | None = None, check_step: int | None =
     size = domain.size * table.scale
     length = default_step(table, size) if step is None else step * size
     walk = March(table, length, check_step or DEFAULT_CHECK_STEP)
-    error = None
+    error: MatError | None = None
     try:
         walk.run()
-    except Exception as caught:
+    except MatError as caught:
         error = caught
     points, feet = [], []
     for strip in walk.record.strips:
@@ -62,7 +68,8 @@ def march_of(domain: Domain, step: float | None = None, check_step: int | None =
         points.append(_to_input(table, np.array([(p.x, p.y) for p in traced])))
         both = [(_foot(table, strip.a, p.right), _foot(table, strip.b, p.left)) for p in traced]
         feet.append(_to_input(table, np.array(both).reshape(-1, 2)).reshape(-1, 2, 2))
-    return Trace(points, feet, walk.steps, error)
+    corners = sum(disc.kind == VERTEX_LEAF for disc in walk.record.discs)
+    return Trace(points, feet, walk.steps, corners, error)
 
 
 def _points_of(walk: March, strip: Strip, length: float) -> list[AxisPoint]:
