@@ -48,9 +48,9 @@ def medial_axis(
         "discs": maximal discs first, then tracing. "march": the paper's published procedure, step by step along the boundary from
         a convex vertex; it needs one, and may miss branches where its steps are too long (`mat_core.tracing.march`).
     step : float, optional
-        Largest spacing of sample points along the axis, relative to the larger side of the bounding box; at least 1e-6. The curves
-        do not depend on it. With "march" it is the tracing step along the boundary, too (the paper's section 6); there the default
-        is 0.001, or one hundredth of the smallest edge if that is smaller.
+        Largest spacing of sample points along the axis, relative to the larger side of the bounding box; at least 1e-6. The
+        curves do not depend on it. With "march" it is the tracing step along the boundary, too (the paper's section 6); there the
+        default is 0.001, or one hundredth of the smallest edge if that is smaller.
     smooth_angle : float
         Radians, 0 to 0.1; joints that turn by less are smooth: no branch of the axis runs into them. Where no axis with them
         smoothed passes its certificate (the rest of the boundary is nearly a circle, say), they are corners after all.
@@ -67,8 +67,8 @@ def medial_axis(
     UnsupportedOption
         An argument is out of its range; or "march" finds no convex vertex, or would take more than two million steps.
     NotCertified
-        No rung of the ladder of tolerances gave a result that passes its certificate; names the check and the place. With "march":
-        it lost its way, or missed a branch.
+        No rung of the ladder of tolerances gave a result that passes its certificate; names the check and the place. With
+        "march": it lost its way, or missed a branch.
 
     Notes
     -----
@@ -129,8 +129,7 @@ def _check_options(
         raise UnsupportedOption("step", f"{step} is not a number of at least 1e-6")
     if not 0.0 <= smooth_angle <= 0.1:
         raise UnsupportedOption("smooth_angle", f"{smooth_angle} is not between 0 and 0.1 rad")
-    if check_step is not None and not (
-        isinstance(check_step, int) and not isinstance(check_step, bool) and CHECK_STEP_RANGE[0] <= check_step <= CHECK_STEP_RANGE[1]
-    ):
-        allowed = f"from {CHECK_STEP_RANGE[0]} to {CHECK_STEP_RANGE[1]}"
-        raise UnsupportedOption("check_step", f"{check_step} is not a whole number of tracing steps {allowed}")
+    if check_step is not None:
+        low, high = CHECK_STEP_RANGE
+        if not isinstance(check_step, int) or isinstance(check_step, bool) or not low <= check_step <= high:
+            raise UnsupportedOption("check_step", f"{check_step} is not a whole number of tracing steps from {low} to {high}")

@@ -121,13 +121,15 @@ def picture(domain: Domain, trace: Trace, dots: bool = False) -> str:
         kept = points if dots else points[_spread(points, CLOSEST * domain.size)]
         body.append(f'<path class="trace" d="{path(kept)}"/>')
         if dots:
-            body += [f'<circle class="point" cx="{x}" cy="{y}" r="2"/>' for x, y in (p.split(",") for p in path(kept)[1:].split(" "))]
+            places = (place.split(",") for place in path(kept)[1:].split(" "))
+            body += [f'<circle class="point" cx="{x}" cy="{y}" r="2"/>' for x, y in places]
     body.append(f'<path class="boundary" d="{outline}"/>')
     place = getattr(trace.error, "place", None)
     if place is not None:
         x, y = path(np.array([place]))[1:].split(",")
         body.append(f'<circle class="lost" cx="{x}" cy="{y}" r="9"/>')
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}">'
+    w, h = f"{width:.0f}", f"{height:.0f}"
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}">'
     return "\n".join([head, f"<style>{_STYLE}</style>", *body, "</svg>"]) + "\n"
 
 

@@ -26,6 +26,7 @@ from tests.paper_shapes import PAPER_SHAPES, object_2, pocket, small_hole, twice
 from tools.paper_pictures import march_of, picture  # noqa: E402
 
 Json = dict[str, Any]
+TEMPLATE = ROOT / "tools" / "paper_report.md"
 REPORT = ROOT / "docs" / "paper.md"
 PICTURES = ROOT / "docs" / "paper"
 OUTLINES = ROOT / "tests" / "corpus" / "outlines.jsonl.gz"
@@ -33,6 +34,7 @@ OUTLINES = ROOT / "tests" / "corpus" / "outlines.jsonl.gz"
 SAME_NODE = 1e-9  # of the size
 FOOT = 0.3  # where (A4) is looked at, on a lower edge with knots from 0 to 1
 SCAN = 100_001
+CHORDS = 32  # for the length of an edge
 COARSE_STEPS = (1e-3, 1e-2, 1e-1)
 PAPER_TIMES = {"14": (21, 3), "15": (9, 2), "16": (15, 1), "17": (32, 3)}  # its Table 1: segments, seconds
 TITLES = {
@@ -93,7 +95,7 @@ def keep(name: str, svg: str) -> str:
 
 def figures() -> str:
     """Figures 12 to 19 and Table 1."""
-    rows = ["| after Fig. | segments | in the paper | tracing steps | march, s | in the paper, s | discs, ms |", "|---|---|---|---|---|---|---|"]
+    rows = ["| after Fig. | segments | in the paper | tracing steps | march, s | in the paper, s | discs, ms |", "|---" * 7 + "|"]
     parts = []
     for figure, build in PAPER_SHAPES.items():
         domain = domain_of(build())
@@ -103,9 +105,9 @@ def figures() -> str:
         assert discs.axis is not None
         trace = march_of(domain)
         segments, seconds = PAPER_TIMES.get(figure, ("", ""))
-        rows.append(
-            f"| {figure} | {len(discs.axis.segments)} | {segments} | {trace.steps} | {march.seconds:.2f} | {seconds} | {1e3 * discs.seconds:.1f} |"
-        )
+        times = f"{march.seconds:.2f}", seconds, f"{1e3 * discs.seconds:.1f}"
+        cells = figure, len(discs.axis.segments), segments, trace.steps, *times
+        rows.append("| " + " | ".join(str(cell) for cell in cells) + " |")
         left = keep(f"figure-{figure}-march", picture(domain, trace))
         right = keep(f"figure-{figure}-discs", discs.axis.to_svg(420))
         parts.append(f"### After Fig. {figure}: {TITLES[figure]}\n\n| march | discs |\n|---|---|\n| {left} | {right} |\n")
@@ -143,7 +145,8 @@ def failures() -> str:
     hold("convex vertex" in refused.error, "an ellipse is refused")
     axis = run(bay, method="march").axis
     hold(agree(axis, run(bay).axis), "the bay is solved")
-    assert axis is not None and solved.axis is not None
+    assert axis is not None
+    assert solved.axis is not None
     pair = _segments_of_pair(axis, {0, 2})
     hold(pair == 2, "the pair of edges has two segments")
     missed = keep("missed-by-steps", picture(corridor, march_of(corridor, 0.02)))
@@ -220,10 +223,10 @@ def appendix() -> str:
     inside = len(at) - wrong - outside
     hold(wrong > 0 and len(at) > 1, "the squared equation has roots on the wrong side")
     return (
-        f"For the footpoint u = {FOOT:g} on the lower edge of the shape after Fig. 15, (A4) has {len(at)} roots on the upper edge: at"
-        f" {wrong} of them the two normals meet inside one edge and outside the other, at {outside} outside both, at {inside} inside"
-        " both. One of the last is the footpoint wanted. Those of the first kind are what squaring lets in; of the last kind the"
-        " nearest to the previous footpoint is taken, and the two criteria decide.\n"
+        f"For the footpoint u = {FOOT:g} on the lower edge of the shape after Fig. 15, (A4) has {len(at)} roots on the upper"
+        f" edge: at {wrong} of them the two normals meet inside one edge and outside the other, at {outside} outside both, at"
+        f" {inside} inside both. One of the last is the footpoint wanted. Those of the first kind are what squaring lets in; of"
+        " the last kind the nearest to the previous footpoint is taken, and the two criteria decide.\n"
     )
 
 
@@ -233,16 +236,17 @@ def lengths() -> str:
     for shape in _outlines():
         domain = domain_of(shape)
         axis = medial_axis(domain)
-        edges = [edge.evaluate(np.linspace(edge.knots[0], edge.knots[-1], 33)) for loop in (domain.outer, *domain.holes) for edge in loop]
+        loops = (domain.outer, *domain.holes)
+        edges = [edge.evaluate(np.linspace(edge.knots[0], edge.knots[-1], CHORDS + 1)) for loop in loops for edge in loop]
         shortest = min(float(np.hypot(*np.diff(points, axis=0).T).sum()) for points in edges)
         checked += len(axis.lengths)
         short += int(np.count_nonzero(axis.lengths < 0.01 * domain.size))
         below += int(np.count_nonzero(axis.lengths < shortest))
     hold(below > 0, "there are segments shorter than every edge")
     return (
-        f"In the glyphs and icons above {short} of {checked} segments are shorter than 0.01 of the size, the paper's distance between"
-        f" checks, and {below} are shorter than the shortest edge of their outline. The march checks at both ends of every"
-        " pair of edges, too, not only every ten steps.\n"
+        f"In the glyphs and icons above {short} of {checked} segments are shorter than 0.01 of the size, the paper's distance"
+        f" between checks, and {below} are shorter than the shortest edge of their outline. The march checks at both ends of"
+        " every pair of edges, too, not only every ten steps.\n"
     )
 
 
@@ -274,73 +278,15 @@ def rate() -> str:
     return "\n".join(rows) + "\n"
 
 
-TEXT = """# The paper's procedure, run
-
-M. Ramanathan and B. Gurumoorthy, "Constructing medial axis transform of planar domains with curved boundaries", Computer-Aided
-Design (2003), is what this library began from. `method="march"` is its published procedure, section by section in
-`mat_core/tracing/march`; `method="discs"`, the default, keeps its idea (go along the boundary, not along bisectors) and finds the
-branch points before anything is traced. Both give the same kind of result, judged by the same certificate.
-
-This page is written by `make paper`. The paper's figures are not available to us in machine-readable form: the shapes are made
-after its descriptions, so numbers of segments differ. Times are of one run on one machine, with compiled kernels loaded;
-compare them with each other, not with the paper's of a Pentium III. The default step is that of its section 6: 0.001 of the size,
-or one hundredth of the smallest edge; the check for branch points comes every ten steps.
-
-In the pictures of the march, lines lead from points of the axis to both of their footpoints.
-
-## Figures 12 to 19
-
-{figures}
-## Table 2: larger steps
-
-The shape after Fig. 15. Dots are the points that were traced. What is returned does not get coarser: branch points are bisected to
-the last digit whatever the step, and the curves are fitted to the strips between them, not to the traced points.
-
-{coarse}
-## Where the procedure fails
-
-{failures}
-## How often it succeeds
-
-Default steps, one attempt each. "Equal to discs": certified, as many segments and cycles, and every node within 1e-9 of the size of
-one of the other method's.
-
-{rate}
-{lengths}
-## The roots of (A4)
-
-{appendix}
-## What the paper states, and what holds
-
-| statement | holds? | because |
-|---|---|---|
-| going along the boundary needs no trimming of bisectors (sections 1, 6.1) | yes | every certified run on this page; nothing is trimmed |
-| a domain has a convex vertex (4) | no | smooth outlines have none: see the table above |
-| parts of the boundary that are traced need not be looked at again (Proposition 1) | yes | used in every run; a boundary point has one maximal disc |
-| no branch point on the way to a shared convex vertex (Proposition 2) | only without holes | the hole in the pocket |
-| one segment for a pair of edges (proof of Proposition 2) | no | the bay; the paper's Fig. 9 |
-| steps below the smallest feature miss nothing (6) | no | "tracked through the length of boundary segments": the hole in the pocket is missed by any step, and segments are shorter than every edge |
-| a larger step gives the right connectivity while features are larger (6.1) | mostly | Table 2; not the corridor, whose hole is smaller than the check's reach |
-| the graph is acyclic for multiply connected domains (6) | the directed one | the undirected graph has as many cycles as the domain has holes; each edge leads from the node met first |
-| listing all convex corners shows completeness (6.1) | no | all corners are listed in the pocket example; what is tested here is that all of the boundary was traced |
-| rounding does not change the topology (6.1) | no proof | ties and nearly osculating discs are told apart by tolerances here, and the certificate has the last word |
-| each step has no exceptions to handle (6.1) | no | several edges may touch one disc, an arc may touch along its length, a corner may be nearly smooth; each is a case |
-| a reflex vertex is a set of edges of length zero (5.4) | as a discretisation | here the normals of one point are a range, and its footpoint has a parameter |
-| the solution of (A4) is the other footpoint (Appendix A) | one of its roots is | the squared equation has those of the wrong side and of parallel normals, too; the equation of `footpoint.py` has not |
-| the equations before (A1) | a sign | y1 + x1' alpha and y2 + x2' beta follow from N = (-y', x'); (A1) itself is right |
-"""
-
-
 def main() -> None:
     """Write the report and its pictures."""
     mat_core.warm()
     PICTURES.mkdir(parents=True, exist_ok=True)
     for old in PICTURES.glob("*.svg"):
         old.unlink()
-    parts = {"figures": figures(), "coarse": coarse(), "failures": failures(), "rate": rate(), "lengths": lengths(), "appendix": appendix()}
-    text = TEXT
-    for name, part in parts.items():
-        text = text.replace("{" + name + "}", part)
+    text = TEMPLATE.read_text(encoding="utf-8")
+    for part in (figures, coarse, failures, rate, lengths, appendix):
+        text = text.replace("{" + part.__name__ + "}", part())
     REPORT.write_text(text, encoding="utf-8")
     size = sum(file.stat().st_size for file in PICTURES.glob("*.svg"))
     print(f"wrote {REPORT.relative_to(ROOT)} and {len(list(PICTURES.glob('*.svg')))} pictures of {size / 1e3:.0f} kB")

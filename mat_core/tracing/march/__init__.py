@@ -8,7 +8,8 @@ boundaries", Computer-Aided Design (2003). Read beside the paper, section by sec
     A     footpoint on the other edge            footpoint.corresponding_footpoint, footpoint.axis_point
     5.2   check for a branch point               checks.cutting, walk.March._trace; Proposition 1: record.Record.mark;
           bisection back to it                   branch.bisect_branch
-    5.3   tracing from a branch point            branch.make_disc, branch.pair_from; failing curvature: walk.March._curvature_fails
+    5.3   tracing from a branch point            branch.make_disc, branch.pair_from;
+          where the curvature criterion fails    walk.March._curvature_fails, branch.curvature_ahead
     5.4   reflex vertices                        fans of normals are edges of no length: step.parameter_step
     5.5   smooth junctions, LMPC                 walk.March._reach_joint, walk.March._arrive
     5.6   termination                            walk.March.run, record.Record.check_complete
@@ -23,14 +24,13 @@ may be (Proposition 2), and a domain without a convex vertex has no start. Then 
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.errors import UnsupportedOption
-from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, EDGE, LEN, LOOP
+from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, EDGE, FAN, KIND, LEN, LOOP, SWEEP
 from mat_core.topology.skeleton import Skeleton
+from mat_core.tracing.march.step import DUMMY_EDGES
 from mat_core.tracing.march.walk import March
 
 DEFAULT_STEP = 1e-3  # section 6, for domains scaled to 1
@@ -76,14 +76,12 @@ def march(table: SiteTable, size: float, step: float | None = None, check_step: 
             "method", '"march" starts at a convex vertex (section 4 of the paper) and this domain has none; use "discs"'
         )
     length = step * size if step is not None else default_step(table, size)
-    steps = float(np.sum(table.sf[:, LEN])) / length
+    # no part of the boundary is stepped along twice, whichever side of a pair it is
+    steps = float(np.sum(table.sf[:, LEN]) + np.sum(np.abs(table.sf[table.si[:, KIND] == FAN, SWEEP])) / DUMMY_EDGES) / length
     if not steps <= MOST_STEPS:
-        source = "step" if step is not None else "method"
-        raise UnsupportedOption(
-            source,
-            f'steps of {length / size:.3g} of the size are about {math.ceil(min(steps, 1e18))} along this boundary, more than {MOST_STEPS};'
-            ' give a longer step or use method "discs"',
-        )
+        told = f"steps of {length / size:.3g} of the size are some {steps:.3g} along this boundary, more than {MOST_STEPS}"
+        advice = 'give a longer step or use method "discs"'
+        raise UnsupportedOption("step" if step is not None else "method", f"{told}; {advice}")
     walk = March(table, length, check_step or DEFAULT_CHECK_STEP)
     walk.run()
     return walk.record.skeleton()

@@ -41,7 +41,7 @@ def bisect_branch(record: Record, pair: Pair, good: AxisPoint, right: float, lef
 
 
 def make_disc(record: Record, pair: Pair, p: AxisPoint, cut: list[Contact]) -> Disc:
-    """The disc of an axis point with all of its footpoints: those of the pair, of edges that cut it next, and of those that tie."""
+    """The disc of an axis point with all of its footpoints: of the pair, of edges that cut it next, and of those that tie."""
     own = [record.contact(pair.a, p.right), record.contact(pair.b, p.left)]
     more, whole = touching(record, pair.a, pair.b, p.x, p.y, p.r)
     kept = list(dict.fromkeys([*own, *(at for at in more if at.site in whole or record.previous_site(at.site) in whole)]))
@@ -96,7 +96,7 @@ def halves_of(disc: Disc, record: Record) -> list[int]:
 
 
 def curvature_ahead(record: Record, site: int, upwards: bool) -> Contact:
-    """Section 5.3: the end of an edge, ahead of a footpoint, where the curvature is locally maximal (LMPC), or a convex vertex."""
+    """Section 5.3: the joint ahead of a footpoint where the curvature is locally maximal (LMPC), or a convex vertex."""
     t = record.table
     for _ in range(len(t.si)):
         joint = record.next_site(site) if upwards else site

@@ -6,9 +6,9 @@
 The distance check looks at the parts of the boundary that are not traced yet (Proposition 1), not at the current pair, and not at
 all when the pair that left a branch point shares a convex vertex ahead (Proposition 2).
 
-Proposition 2 is false where a hole lies in the pocket of that corner: its proof takes for granted that nothing but the pair's own
-edges bounds the region between the branch point and the vertex, which holds in a domain without holes only. And "there can be only
-one MAT segment for a pair of boundary segments", which the proof uses, is false for curved edges and around holes.
+Proposition 2 is false where a hole lies in the pocket of that corner: its proof takes for granted that nothing but the pair's
+own edges bounds the region between the branch point and the vertex, which holds in a domain without holes only. And "there can be
+only one MAT segment for a pair of boundary segments", which the proof uses, is false for curved edges and around holes.
 """
 
 from __future__ import annotations

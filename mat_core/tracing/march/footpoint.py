@@ -4,22 +4,22 @@ With D = C2 - C1, N = (-y', x') and T, n the same of unit length, the normals C1
 
     alpha = D.C2' / (C1' x C2'),     beta = D.C1' / (C1' x C2')                                                       (A1)
 
-(in print the second line before (A1) has a wrong sign: y1 + x1' alpha it must be, as N says; (A1) follows from the right one). Equal
-lengths on the same side, |N1| alpha = |N2| beta, are D.(T2 - T1) = 0. The paper squares this,
+(in print the second line before (A1) has a wrong sign: y1 + x1' alpha it must be, as N says; (A1) follows from the right one).
+Equal lengths on the same side, |N1| alpha = |N2| beta, are D.(T2 - T1) = 0. The paper squares this,
 
     0 = |N1|^2 (D.C2')^2 - |N2|^2 (D.C1')^2  =  |C1'|^2 |C2'|^2  [D.(T2 - T1)] [D.(T2 + T1)],                          (A4)
 
-which lets two families of wrong roots in: those of the second factor (one circle inside, the other side outside) and, since the
-denominator was multiplied away, those of T1 = T2 in the first (parallel normals that never meet). Both go when angles are
-compared instead. A chord makes the same angle with a circle at both of its ends,
+which lets wrong roots in: those of the second factor, where the circle lies inside one edge and outside the other, and, since
+the denominator was multiplied away, T1 = T2 and T1 = -T2, normals that never meet. All go when angles are compared instead. A
+chord makes the same angle with a circle at both of its ends:
 
     h = angle(T1, D) - angle(D, T2) = angle(T2, R),     R = 2 (D.T1) D / |D|^2 - T1      (T1 reflected in D)           (A4')
 
-            R   T2               h = 0 is the root on the right side and h = pi the one on the wrong side; T1 = T2 is neither.
-             \\ /                 On a piece of monotone curvature h passes through 0, where the curvature criterion holds, once
-        D ----q----              and rising in u2.
-         p
-        T1
+              R                  The circle through p along T1 turns left by angle(T1, D) twice until it passes q, along R. Both
+             /   T2              edges touch it when T2 is R. h = pi: the second edge touches it from inside, T2 is -R.
+      p --- q -
+       \\ D                       On a piece of monotone curvature h rises through 0 once, where the curvature criterion
+        T1                       holds, and falls through 0 once at most, where it does not.
 
 The radius is alpha |N1| = |D|^2 / (2 n1.D), half the chord for opposite normals ("the normals overlap"): no case of its own.
 """
@@ -75,8 +75,8 @@ def defect(tx: float, ty: float, dx: float, dy: float, ux: float, uy: float) -> 
 def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float, limit: float, pace: float) -> float | None:
     """The first root of (A4') on site j from `start` towards `limit`, for the footpoint s on site i; None if there is none.
 
-    The previous footpoint, `start`, is the initial guess of the paper; `pace` is how far the root is expected from it. The root is
-    bracketed by growing steps, then found by a secant method kept in the bracket (Illinois). On the way from `start` |h| falls
+    The previous footpoint, `start`, is the initial guess of the paper; `pace` is how far the root is expected from it. The root
+    is bracketed by growing steps, then found by a secant method kept in the bracket (Illinois). On the way from `start` |h| falls
     where W = k |D|^2 + 2 N2.D < 0, and W changes its sign once at most on a piece of monotone curvature: behind the place where
     |h| rises again there is nothing to be found.
     """

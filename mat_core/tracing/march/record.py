@@ -156,7 +156,7 @@ class Record:
         self.is_open[site] = bool(left)
 
     def check_complete(self) -> None:
-        """All of the boundary is traced, else raise: the completeness that section 6 takes from the graph, on the boundary itself."""
+        """All of the boundary is traced, else raise: the completeness of section 6, not of the graph but of the boundary."""
         t = self.table
         left = [
             (site, lo) for site, parts in enumerate(self.open) for lo, hi in parts if (hi - lo) * self.length(site) > SNAP
@@ -168,7 +168,8 @@ class Record:
         x, y = self.point(Contact(site, s))
         traced = any(self.open[i] != [(0.0, 1.0)] for i in range(int(t.loop_start[loop]), int(t.loop_start[loop + 1])))
         what = f"edge {edge} of loop {loop}" if traced else f"loop {loop}"
-        raise lost(t, x, y, f"nothing is left to be traced, but {what} was never met by a disc (Proposition 2, or a step too long)")
+        why = f"nothing is left to be traced, but {what} was never met by a disc (Proposition 2, or a step too long)"
+        raise lost(t, x, y, why)
 
     # The result --------------------------------------------------------------------------------------------------
     def skeleton(self) -> Skeleton:

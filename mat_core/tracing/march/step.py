@@ -4,8 +4,8 @@ Here e2 of the paper is the right site `a`, whose parameter always increases, e1
 decreases. Both are parts of the input's edges: cut where the curvature turns, so that a point of locally maximal curvature (LMPC)
 is the end of an edge, as in Fig. 11(b), and with a fan of normals between two edges for each reflex vertex (5.4).
 
-           b  <- left                A pair ends where either footpoint reaches the end of its edge ("the limiting value", 5.7), or
-      P  .  .  .  P'                 a footpoint of a disc that is known: there another trace ended or began.
+           b  <- left                A pair ends where either footpoint reaches the end of its edge ("the limiting value", 5.7)
+      P  .  .  .  P'                 or a footpoint of a disc that is known: there another trace ended or began.
            a  -> right
 """
 
@@ -76,10 +76,10 @@ def parameter_step(record: Record, site: int, step: float) -> float:
 
 
 def tracing_step(record: Record, pair: Pair, now: AxisPoint, du: float, limits: Limits) -> tuple[AxisPoint | None, bool]:
-    """The next axis point, and whether a limit is reached with it. None: the shared joint ahead (5.5); or,
-    with no limit reached, no left footpoint belongs to the next right one.
+    """The next axis point, and whether a limit is reached with it: tasks 2 and 3 of section 5.1.
 
-    Tasks 2 and 3 of section 5.1. Where the left footpoint would pass its limit, it is put there and the right one is sought.
+    Where the left footpoint would pass its limit, it is put there and the right one is sought. No point but a limit: both come to
+    the joint that they share (5.5); neither: no left footpoint belongs to the next right one, the bisector has ended.
     """
     t = record.table
     right = min(now.right + du, limits.right)

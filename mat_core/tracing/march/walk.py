@@ -1,14 +1,14 @@
 """Sections 4, 5.3, 5.5 and 5.6: from a convex vertex along pairs of edges to branch points and on, until nothing is left.
 
-    1. start at a convex vertex                                                   4, 5.1
-    2. trace a pair, checking every `check_step` steps                            5.1, 5.2
-    3. where the distance check fails: bisect, note the branch point              5.2
-       where the curvature check fails: first trace from the LMPC ahead           5.3
-       where a footpoint reaches the end of its edge: the neighbouring edge       5.4, 5.5
-       where both reach the joint that they share: a convex vertex or an LMPC     5.5
-       where they reach the footpoints of a known disc: the segment ends there
-    4. take the next pair that waits at any disc; depth first                     5.3
-    5. a convex vertex that was not met starts anew; else stop                    5.6
+1. start at a convex vertex                                                   4, 5.1
+2. trace a pair, checking every `check_step` steps                            5.1, 5.2
+3. where the distance check fails: bisect, note the branch point              5.2
+   where the curvature check fails: first trace from the LMPC ahead           5.3
+   where a footpoint reaches the end of its edge: the neighbouring edge       5.4, 5.5
+   where both reach the joint that they share: a convex vertex or an LMPC     5.5
+   where they reach the footpoints of a known disc: the segment ends there
+4. take the next pair that waits at any disc; depth first                     5.3
+5. a convex vertex that was not met starts anew; else stop                    5.6
 """
 
 from __future__ import annotations
@@ -29,7 +29,19 @@ MOST_DISCS = 64  # for each edge: far beyond what an axis has, so that nothing i
 
 
 class March:
-    """One march: the record, the pairs that wait, the number of tracing steps so far."""
+    """One march.
+
+    Attributes
+    ----------
+    record : Record
+        What is known by now.
+    step : float
+        Tracing step, normalised.
+    check_step : int
+        Tracing steps from check to check.
+    steps : int
+        Tracing steps taken.
+    """
 
     def __init__(self, table: SiteTable, step: float, check_step: int) -> None:
         self.record = Record(table)
@@ -37,8 +49,8 @@ class March:
         self.check_step = check_step
         self.steps = 0
         self._waiting: list[Pair] = []
-        self._done: set[tuple[int, int]] = set()
-        self._met: set[int] = set()
+        self._done: set[tuple[int, int]] = set()  # (disc, half) from which a pair was traced, or at which one arrived
+        self._met: set[int] = set()  # discs whose pairs were made to wait
 
     def run(self) -> None:
         """Steps 1, 4 and 5."""
@@ -96,7 +108,10 @@ class March:
 
     # 2. One pair of edges -----------------------------------------------------------------------------------------
     def _trace(self, pair: Pair) -> None:
-        """Follow one pair to where it ends."""
+        """Follow one pair to where it ends.
+
+        `now` is the last axis point, `good` the last that passed the distance check, where a bisection may start.
+        """
         record = self.record
         t = record.table
         limits = limits_of(record, pair)
@@ -180,7 +195,7 @@ class March:
         self._branch(pair, good, point.right, point.left, cut)
 
     def _reach_joint(self, pair: Pair, good: AxisPoint, exempt: bool) -> None:
-        """5.5: both footpoints come to the joint that their edges share: a convex vertex, or an LMPC and its centre of curvature."""
+        """5.5: both footpoints come to the joint that their edges share: a convex vertex, or an LMPC."""
         record = self.record
         at = Contact(pair.b, 0.0)
         leaf = record.disc_at(at)
@@ -237,7 +252,7 @@ class March:
         return math.hypot(disc.x - point.x, disc.y - point.y) + abs(disc.r - point.r) <= AGREE
 
     def _half_of(self, pair: Pair, point: AxisPoint, disc: Disc) -> tuple[int, float, float]:
-        """(contact, right, left): which contact of a disc the left footpoint has come to, the right one to the next; -1 if none."""
+        """(contact, right, left): the contact of a disc that the left footpoint has come to, the right one to the next; or -1."""
         record = self.record
         best = (-1, point.right, point.left)
         nearest = math.inf
