@@ -75,10 +75,13 @@ def parameter_step(record: Record, site: int, step: float) -> float:
     return step / float(t.sf[site, LEN])
 
 
-def tracing_step(record: Record, pair: Pair, now: AxisPoint, du: float, limits: Limits) -> tuple[AxisPoint | None, bool]:
+def tracing_step(
+    record: Record, pair: Pair, now: AxisPoint, du: float, pace: float, limits: Limits
+) -> tuple[AxisPoint | None, bool]:
     """The next axis point, and whether a limit is reached with it: tasks 2 and 3 of section 5.1.
 
-    Where the left footpoint would pass its limit, it is put there and the right one is sought. No point but a limit: both come to
+    `pace` is how far the left footpoint fell in the last step. Where it would pass its limit, it is put there and the right one is
+    sought. No point but a limit: both come to
     the joint that they share (5.5); neither: no left footpoint belongs to the next right one, the bisector has ended.
     """
     t = record.table
@@ -87,7 +90,6 @@ def tracing_step(record: Record, pair: Pair, now: AxisPoint, du: float, limits: 
         right = 1.0
     if right == 1.0 and limits.closing:
         return None, True
-    pace = max(pair.b0 - now.left, 0.0) / max(now.right - pair.a0, du) * du
     left = corresponding_footpoint(t, pair.a, right, pair.b, now.left, limits.left, pace)
     ended = right == limits.right
     if left is None:

@@ -119,8 +119,9 @@ class March:
         du = parameter_step(record, pair.a, self.step)
         exempt = pair.from_branch and limits.closing and self._is_convex(pair.b)
         taken = 0
+        pace = 0.0
         while True:
-            point, ended = tracing_step(record, pair, now, du, limits)
+            point, ended = tracing_step(record, pair, now, du, pace, limits)
             self.steps += 1
             taken += 1
             if point is None:
@@ -145,6 +146,7 @@ class March:
             if ended:
                 self._arrive(pair, point, known if known >= 0 else self._disc_of(pair, point, []))
                 return
+            pace = now.left - point.left
             now = point
 
     def _where(self, pair: Pair) -> AxisPoint:
