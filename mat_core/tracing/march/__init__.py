@@ -9,7 +9,7 @@ boundaries", Computer-Aided Design (2003). Read beside the paper, section by sec
     5.2   check for a branch point               checks.cutting, walk.March._trace; Proposition 1: record.Record.mark;
           bisection back to it                   branch.bisect_branch
     5.3   tracing from a branch point            branch.make_disc, branch.pair_from;
-          where the curvature criterion fails    walk.March._curvature_fails, branch.curvature_ahead
+          where the curvature criterion fails    walk.March._missed, branch.curvature_ahead
     5.4   reflex vertices                        fans of normals are edges of no length: step.parameter_step
     5.5   smooth junctions, LMPC                 walk.March._reach_joint, walk.March._arrive
     5.6   termination                            walk.March.run, record.Record.check_complete

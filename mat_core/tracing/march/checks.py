@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.layout import ARC, FAN, K0, KIND, LEN, LINE, SWEEP, TX0, TY0, X0, XMAX, XMIN, Y0, YMAX, YMIN
+from mat_core.kernels.layout import ARC, FAN, K0, KIND, LEN, LINE, NEXT, PREV, SWEEP, TX0, TY0, X0, XMAX, XMIN, Y0, YMAX, YMIN
 from mat_core.tracing.march.footpoint import AxisPoint
 from mat_core.tracing.march.record import Contact, Record
 
@@ -36,7 +36,7 @@ SLOPE_ROUNDING = 1e-17
 
 def curvature_holds(t: SiteTable, a: int, b: int, p: AxisPoint) -> bool:
     """Section 3, second criterion, at both footpoints."""
-    return not (_bends_more(t, a, p.right, p.r) or _bends_more(t, b, p.left, p.r))
+    return violating_foot(t, a, b, p) == 0
 
 
 def _bends_more(t: SiteTable, i: int, s: float, r: float) -> bool:
@@ -46,8 +46,23 @@ def _bends_more(t: SiteTable, i: int, s: float, r: float) -> bool:
 
 
 def violating_foot(t: SiteTable, a: int, b: int, p: AxisPoint) -> int:
-    """1 if the right footpoint violates the curvature criterion, else -1."""
-    return 1 if _bends_more(t, a, p.right, p.r) else -1
+    """Where the curvature criterion fails: 1 at the right footpoint, -1 at the left one, 0 at neither.
+
+    At the end of an edge the next one counts as well: with a jump of curvature it may bend more than the disc from there on.
+    """
+    if _bends_more(t, a, p.right, p.r) or (p.right == 1.0 and _bends_more(t, int(t.si[a, NEXT]), 0.0, p.r)):
+        return 1
+    if _bends_more(t, b, p.left, p.r) or (p.left == 0.0 and _bends_more(t, int(t.si[b, PREV]), 1.0, p.r)):
+        return -1
+    return 0
+
+
+def cut_beside(t: SiteTable, a: int, b: int, cut: list[Contact]) -> int:
+    """1 if the edge after the right one is among those that cut, -1 if the edge before the left one is, else 0."""
+    sites = {at.site for at in cut}
+    if int(t.si[a, NEXT]) in sites:
+        return 1
+    return -1 if int(t.si[b, PREV]) in sites else 0
 
 
 def within(record: Record, x: float, y: float, reach: float) -> NDArray[np.int64]:

@@ -37,6 +37,7 @@ ROOT_STEPS = 80
 ROOT_WIDTH = 2e-16  # of the parameter
 ANGLE_ROUNDING = 2e-16  # of h itself
 FIRST_REACH = 1e-9  # of the parameter: the first place looked at when nothing is known of the foot's pace
+W_ROUNDING = 1e-15  # of W, over |D|
 NEAR_JOINT = 1e-3  # of the way left to a joint that both edges share: nearer, the pair has reached it
 TURNED = 3.0  # radians; h that falls by more between two places may have passed a half turn, not zero
 
@@ -84,13 +85,14 @@ def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float
     px, py, tx, ty, _, _ = evaluate(t.si, t.sf, t.cp, i, s, ox, oy)
     sign = 1.0 if limit < start else -1.0
 
-    def side(at: float) -> tuple[float, bool]:
+    def side(at: float) -> tuple[float, float]:
         qx, qy, ux, uy, k, _ = evaluate(t.si, t.sf, t.cp, j, at, ox, oy)
         dx, dy = qx - px, qy - py
-        falling = k * (dx * dx + dy * dy) + 2.0 * (dy * ux - dx * uy) <= 0.0
-        return sign * defect(tx, ty, dx, dy, ux, uy), falling
+        w = k * (dx * dx + dy * dy) + 2.0 * (dy * ux - dx * uy)
+        clear = abs(w) > W_ROUNDING * (abs(dx) + abs(dy))
+        return sign * defect(tx, ty, dx, dy, ux, uy), w if clear else 0.0
 
-    a, (fa, fell) = start, side(start)
+    a, (fa, fell) = start, side(start)  # fell: the last clear W
     if fa <= 0.0:
         # at a smooth joint, where h is nothing at all, the way leads on; else the root is here but for rounding
         a = start - sign * FIRST_REACH
@@ -107,15 +109,15 @@ def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float
         # halves where h was seen to rise again behind b, else ever longer steps
         b = a - sign * reach if past == limit else 0.5 * (a + past)
         b = max(b, limit) if sign > 0.0 else min(b, limit)
-        fb, falling = side(b)
+        fb, w = side(b)
         if fb <= 0.0:
             return _between(side, a, fa, b, fb)
         if b in (a, limit) or abs(b - a) <= ROOT_WIDTH:
             return None
-        if fell and not falling:
+        if fell < 0.0 < w:
             past = b
         else:
-            a, fa, fell = b, fb, falling
+            a, fa, fell = b, fb, w or fell
             reach *= 2.0
 
 

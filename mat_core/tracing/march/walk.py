@@ -19,7 +19,7 @@ from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.layout import ARC, CONVEX_VERTEX, CORNER, CURVATURE_LEAF, EDGE, K0, K1, KIND, LOOP, VERTEX_LEAF
 from mat_core.tracing.march.branch import bisect_branch, curvature_ahead, halves_of, make_disc, pair_from
-from mat_core.tracing.march.checks import curvature_holds, cutting, violating_foot
+from mat_core.tracing.march.checks import cut_beside, cutting, violating_foot
 from mat_core.tracing.march.footpoint import AxisPoint, axis_point
 from mat_core.tracing.march.record import Contact, Disc, Record, Strip, lost
 from mat_core.tracing.march.step import Limits, Pair, limits_of, parameter_step, tracing_step
@@ -88,17 +88,23 @@ class March:
         length = math.hypot(tx, ty)
         return x - r * ty / length, y + r * tx / length
 
+    def _curvature(self, at: Contact) -> float:
+        """Of the boundary at a joint, the larger one of both sides."""
+        t = self.record.table
+        return float(max(t.sf[self.record.previous_site(at.site), K1], t.sf[at.site, K0]))
+
+    def _bends(self, at: Contact) -> bool:
+        """Whether a disc may end at a joint: the boundary is convex there."""
+        return self._is_convex(at.site) or self._curvature(at) > 0.0
+
     def _leaf_radius(self, at: Contact) -> float:
         """0 at a convex vertex, else that of the larger curvature; raises where that is no maximum."""
-        t = self.record.table
-        if t.si[at.site, CORNER] == CONVEX_VERTEX:
+        if self._is_convex(at.site):
             return 0.0
-        before = self.record.previous_site(at.site)
-        k = max(t.sf[before, K1], t.sf[at.site, K0])
-        if not k > 0.0:
+        if not self._bends(at):
             x, y = self.record.point(at)
-            raise lost(t, x, y, "both footpoints meet where the boundary is not convex")
-        return float(1.0 / k)
+            raise lost(self.record.table, x, y, "both footpoints meet where the boundary is not convex")
+        return 1.0 / self._curvature(at)
 
     def _wait(self, disc: int, from_branch: bool, arrived: int = -1) -> None:
         """All pairs that leave a disc wait, but for the one that arrived there; those next to it first."""
@@ -130,8 +136,9 @@ class March:
                 else:
                     self._branch(pair, good, min(now.right + du, limits.right), limits.left, [])
                 return
-            if not curvature_holds(t, pair.a, pair.b, point):
-                self._curvature_fails(pair, good, point)
+            foot = violating_foot(t, pair.a, pair.b, point)
+            if foot != 0:
+                self._missed(pair, good, point, foot, cutting(record, pair.a, pair.b, point.x, point.y, point.r))
                 return
             known = self._known_end(pair, point, limits) if ended else -1
             if known >= 0 and self._agrees(point, known):
@@ -140,7 +147,7 @@ class March:
             if ended or (taken % self.check_step == 0 and not exempt):
                 cut = cutting(record, pair.a, pair.b, point.x, point.y, point.r)
                 if cut:
-                    self._branch(pair, good, point.right, point.left, cut)
+                    self._missed(pair, good, point, cut_beside(t, pair.a, pair.b, cut), cut)
                     return
                 good = point
             if ended:
@@ -176,24 +183,26 @@ class March:
             raise lost(self.record.table, point.x, point.y, why)
         self._arrive(pair, point, self._disc_of(pair, point, cut))
 
-    def _curvature_fails(self, pair: Pair, good: AxisPoint, point: AxisPoint) -> None:
-        """5.3: trace from the centre of curvature of the LMPC ahead first; the pair goes on to the branch point found so.
+    def _missed(self, pair: Pair, good: AxisPoint, point: AxisPoint, foot: int, cut: list[Contact]) -> None:
+        """A branch point lies before an axis point that fails a check: 5.3 where that is due to the pair's own side `foot`.
 
-        Where the disc of that LMPC is not empty it is no end of the axis: a branch point with another edge was passed.
+        The edge that runs on from a footpoint cuts the disc, or bends more than it: then the axis is traced from the centre of
+        curvature of the LMPC ahead first, and the pair goes on to the branch point found so. That is far better conditioned than to
+        see when the disc begins to touch an edge that it nearly osculates. Where the disc of that LMPC is not empty it is no end of
+        the axis: another edge was passed, and bisection finds it.
         """
         record = self.record
         t = record.table
-        upwards = violating_foot(t, pair.a, pair.b, point) > 0
-        at = curvature_ahead(record, pair.a if upwards else pair.b, upwards)
-        before = record.previous_site(at.site)
-        if record.disc_at(at) < 0 and ARC not in (t.si[at.site, KIND], t.si[before, KIND]):
-            r = self._leaf_radius(at)
-            if not cutting(record, at.site, before, *self._centre(at, r), r):
-                pair.right, pair.left = good.right, good.left
-                self._waiting.append(pair)
-                self._start(at, r)
-                return
-        cut = cutting(record, pair.a, pair.b, point.x, point.y, point.r)
+        if foot != 0:
+            at = curvature_ahead(record, pair.a if foot > 0 else pair.b, foot > 0)
+            before = record.previous_site(at.site)
+            if record.disc_at(at) < 0 and ARC not in (t.si[at.site, KIND], t.si[before, KIND]) and self._bends(at):
+                r = self._leaf_radius(at)
+                if not cutting(record, at.site, before, *self._centre(at, r), r):
+                    pair.right, pair.left = good.right, good.left
+                    self._waiting.append(pair)
+                    self._start(at, r)
+                    return
         self._branch(pair, good, point.right, point.left, cut)
 
     def _reach_joint(self, pair: Pair, good: AxisPoint, exempt: bool) -> None:
