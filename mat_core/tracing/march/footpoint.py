@@ -93,12 +93,14 @@ def corresponding_footpoint(t: SiteTable, i: int, s: float, j: int, start: float
         return sign * defect(tx, ty, dx, dy, ux, uy), w if clear else 0.0
 
     a, (fa, fell) = start, side(start)  # fell: the last clear W
-    if fa <= 0.0:
-        # at a smooth joint, where h is nothing at all, the way leads on; else the root is here but for rounding
-        a = start - sign * FIRST_REACH
-        fa, fell = side(a)
-        if fa <= 0.0 or (limit - a) * sign > 0.0:
+    reach = FIRST_REACH
+    while fa <= 0.0:
+        # where h falls the root is here, but for rounding; beside the joint of an LMPC it rises first
+        if fell < 0.0 or a == limit:
             return start
+        a = max(start - reach, limit) if sign > 0.0 else min(start + reach, limit)
+        fa, fell = side(a)
+        reach *= 2.0
     # at a shared joint h says nothing: there is no chord, or one along a straight edge
     qx, qy, *_ = evaluate(t.si, t.sf, t.cp, j, limit, ox, oy)
     if qx == 0.0 and qy == 0.0:
