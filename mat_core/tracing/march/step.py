@@ -38,6 +38,8 @@ class Pair:
         Parameters of the last axis point that passed the checks.
     from_branch : bool
         The segment that this pair belongs to left a branch point (Proposition 2).
+    put_off : int
+        How often it was left until other pairs were traced.
     """
 
     disc: int
@@ -49,6 +51,7 @@ class Pair:
     right: float
     left: float
     from_branch: bool
+    put_off: int = 0
 
 
 @dataclass(frozen=True)

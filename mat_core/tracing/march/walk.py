@@ -25,6 +25,7 @@ from mat_core.tracing.march.record import Contact, Disc, Record, Strip, lost
 from mat_core.tracing.march.step import Limits, Pair, limits_of, parameter_step, tracing_step
 
 AGREE = 1e-7  # discs reached from two sides are one if centres and radii differ by less; the certificate asks for more
+MOST_PUT_OFF = 8  # times that a pair waits for the trace from an LMPC ahead
 MOST_DISCS = 64  # for each edge: far beyond what an axis has, so that nothing is done for ever
 
 
@@ -192,18 +193,32 @@ class March:
         the axis: another edge was passed, and bisection finds it.
         """
         record = self.record
-        t = record.table
         if foot != 0:
             at = curvature_ahead(record, pair.a if foot > 0 else pair.b, foot > 0)
-            before = record.previous_site(at.site)
-            if record.disc_at(at) < 0 and ARC not in (t.si[at.site, KIND], t.si[before, KIND]) and self._bends(at):
-                r = self._leaf_radius(at)
-                if not cutting(record, at.site, before, *self._centre(at, r), r):
-                    pair.right, pair.left = good.right, good.left
-                    self._waiting.append(pair)
-                    self._start(at, r)
-                    return
+            leaf = record.disc_at(at)
+            if leaf < 0 and self._ends_axis(at):
+                self._set_aside(pair, good, len(self._waiting))
+                self._start(at, self._leaf_radius(at))
+                return
+            if leaf >= 0 and (leaf, 0) not in self._done and pair.put_off < MOST_PUT_OFF:
+                self._set_aside(pair, good, 0)
+                return
         self._branch(pair, good, point.right, point.left, cut)
+
+    def _set_aside(self, pair: Pair, good: AxisPoint, place: int) -> None:
+        """A pair waits at its last good point: for those after `place` in the row."""
+        pair.right, pair.left = good.right, good.left
+        pair.put_off += 1
+        self._waiting.insert(place, pair)
+
+    def _ends_axis(self, at: Contact) -> bool:
+        """Whether the disc of an LMPC or convex vertex is empty, and no arc is in whole contact with it."""
+        record = self.record
+        before = record.previous_site(at.site)
+        if ARC in (record.table.si[at.site, KIND], record.table.si[before, KIND]) or not self._bends(at):
+            return False
+        r = self._leaf_radius(at)
+        return not cutting(record, at.site, before, *self._centre(at, r), r)
 
     def _reach_joint(self, pair: Pair, good: AxisPoint, exempt: bool) -> None:
         """5.5: both footpoints come to the joint that their edges share: a convex vertex, or an LMPC."""
