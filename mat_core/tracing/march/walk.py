@@ -200,7 +200,9 @@ class March:
                 self._set_aside(pair, good, len(self._waiting))
                 self._start(at, self._leaf_radius(at))
                 return
-            if leaf >= 0 and (leaf, 0) not in self._done and pair.put_off < MOST_PUT_OFF:
+            beside = {record.next_site(pair.a), record.previous_site(pair.b)}
+            alone = all(touched.site in beside for touched in cut)
+            if leaf >= 0 and (leaf, 0) not in self._done and alone and pair.put_off < MOST_PUT_OFF:
                 self._set_aside(pair, good, 0)
                 return
         self._branch(pair, good, point.right, point.left, cut)
