@@ -83,8 +83,8 @@ def tracing_step(
 ) -> tuple[AxisPoint | None, bool]:
     """The next axis point, and whether a limit is reached with it: tasks 2 and 3 of section 5.1.
 
-    `pace` is how far the left footpoint fell in the last step. Where it would pass its limit, it is put there and the right one is
-    sought. No point but a limit: both come to
+    `pace` is how far the left footpoint fell in the last step. Where it would pass its limit, it is put there and the right one
+    is sought. No point but a limit: both come to
     the joint that they share (5.5); neither: no left footpoint belongs to the next right one, the bisector has ended.
     """
     t = record.table
@@ -110,7 +110,8 @@ def tracing_step(
     if (limits.right - right) * record.length(pair.a) <= SNAP and not limits.closing:
         right = limits.right
         ended = True
-    return axis_point(t, pair.a, right, pair.b, left), ended
+    point = axis_point(t, pair.a, right, pair.b, left)
+    return point, ended and point is not None
 
 
 def _meets(record: Record, pair: Pair, right: float, left: float) -> bool:

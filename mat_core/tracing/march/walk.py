@@ -108,7 +108,7 @@ class March:
         return 1.0 / self._curvature(at)
 
     def _wait(self, disc: int, from_branch: bool, arrived: int = -1) -> None:
-        """All pairs that leave a disc wait, but for the one that arrived there; those next to it first."""
+        """All pairs that leave a disc wait, but for the one that arrived there; the last to come is the first to be traced."""
         for half in reversed(halves_of(self.record.discs[disc], self.record)):
             if half != arrived:
                 self._waiting.append(pair_from(self.record, disc, half, from_branch))
@@ -188,9 +188,9 @@ class March:
         """A branch point lies before an axis point that fails a check: 5.3 where that is due to the pair's own side `foot`.
 
         The edge that runs on from a footpoint cuts the disc, or bends more than it: then the axis is traced from the centre of
-        curvature of the LMPC ahead first, and the pair goes on to the branch point found so. That is far better conditioned than to
-        see when the disc begins to touch an edge that it nearly osculates. Where the disc of that LMPC is not empty it is no end of
-        the axis: another edge was passed, and bisection finds it.
+        curvature of the LMPC ahead first, and the pair goes on to the branch point found so. That is far better conditioned than
+        to see when the disc begins to touch an edge that it nearly osculates. Where the disc of that LMPC is not empty it is no
+        end of the axis: another edge was passed, and bisection finds it.
         """
         record = self.record
         if foot != 0:
