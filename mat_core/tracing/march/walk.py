@@ -190,7 +190,7 @@ class March:
         The edge that runs on from a footpoint cuts the disc, or bends more than it: then the axis is traced from the centre of
         curvature of the LMPC ahead first, and the pair goes on to the branch point found so. That is far better conditioned than
         to see when the disc begins to touch an edge that it nearly osculates. Where the disc of that LMPC is not empty it is no
-        end of the axis: another edge was passed, and bisection finds it.
+        end of the axis: another edge was passed, and bisection finds it, as where a convex vertex is ahead.
         """
         record = self.record
         if foot != 0:
@@ -214,10 +214,11 @@ class March:
         self._waiting.insert(place, pair)
 
     def _ends_axis(self, at: Contact) -> bool:
-        """Whether the disc of an LMPC or convex vertex is empty, and no arc is in whole contact with it."""
+        """Whether a joint is an LMPC whose disc is empty, with no arc in whole contact with it."""
         record = self.record
         before = record.previous_site(at.site)
-        if ARC in (record.table.si[at.site, KIND], record.table.si[before, KIND]) or not self._bends(at):
+        arc = ARC in (record.table.si[at.site, KIND], record.table.si[before, KIND])
+        if arc or self._is_convex(at.site) or not self._bends(at):
             return False
         r = self._leaf_radius(at)
         return not cutting(record, at.site, before, *self._centre(at, r), r)
