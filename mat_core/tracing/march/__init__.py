@@ -15,6 +15,7 @@ boundaries", Computer-Aided Design (2003). Read beside the paper, section by sec
     5.6   termination                            walk.March.run, record.Record.check_complete
 
 What is ours: edges are cut where their curvature turns; a footpoint at the end of its edge is checked for a branch point, too;
+section 5.3 is followed not only where the curvature criterion fails but also where the edge that runs on is what cuts the disc;
 edges that touch the disc of a branch point as well become footpoints of it; and what comes out is the flat `Skeleton` of the
 discs-first method, so that curves, graph and certificate are the same, and the certificate judges.
 
