@@ -32,6 +32,8 @@ __all__ = ["SEGMENT_KINDS", "CurveTable", "Footpoint", "Graph", "MedialAxis", "N
 
 SAMPLES = 17  # points sampled on a segment when no step is asked for
 NOTEBOOK_WIDTH = 480  # pixels
+CLOSE_CURVE = 0.1  # of the spacing of samples: a curve this near to the axis stands for it where they are spaced
+T_ROUNDING = 1e-14  # samples of parameters nearer than this are not told apart
 
 
 class CurveTable(NamedTuple):
@@ -327,16 +329,39 @@ class MedialAxis:
                        sites[0], left[:, 2], right[:, 2], left[:, 3], right[:, 3])
 
     def sample_parameters(self) -> tuple[Ints, Floats]:
-        """(segment, t) of the standard samples: evenly in t, 17 on every segment or as many as `step` asks for."""
+        """(segment, t) of the standard samples: 17 evenly in t on every segment, and more where `step` asks for them.
+
+        With a `step` no two neighbours on a segment are farther apart than it.
+        """
         count = np.full(len(self.curves.degree), SAMPLES)
-        if self.step is not None and len(count):
-            spacing = self.step * self.domain.size
-            # t runs nearly, not quite, in proportion to length
-            count = np.maximum(count, np.ceil(1.25 * self.lengths / spacing).astype(np.int64) + 1)
+        if self.step is not None:
+            count = np.maximum(count, np.ceil(self.lengths / (self.step * self.domain.size)).astype(np.int64) + 1)
         segment = np.repeat(np.arange(len(count)), count)
         first = np.cumsum(count) - count
         t = (np.arange(len(segment)) - first[segment]) / np.maximum(count - 1, 1)[segment]
+        # t runs only nearly in proportion to length: what is still too wide is divided until nothing is
+        while self.step is not None:
+            parts = self._parts_needed(segment, t, self.step * self.domain.size)
+            if not (parts > 1).any():
+                break
+            before = np.repeat(np.arange(len(parts)), parts - 1)
+            place = np.arange(len(before)) - np.repeat(np.cumsum(parts - 1) - (parts - 1), parts - 1) + 1
+            between = t[before] + place / parts[before] * (t[before + 1] - t[before])
+            segment, t = np.insert(segment, before + 1, segment[before]), np.insert(t, before + 1, between)
         return segment, t
+
+    def _parts_needed(self, segment: Ints, t: Floats, spacing: float) -> Ints:
+        """Into how many parts each interval between neighbouring samples must be divided so that none is wider than `spacing`."""
+        error = float(self.curves.max_error.max(initial=0.0)) / self.table.scale
+        if error <= CLOSE_CURVE * spacing:
+            # true axis points lie within the stated error of the curve
+            points = self.evaluate(segment, t)[:, :2]
+            spacing -= 2.0 * error
+        else:
+            points = self.sample(segment, t).points
+        wide = np.hypot(*np.diff(points, axis=0).T)
+        inside = (segment[1:] == segment[:-1]) & (np.diff(t) > T_ROUNDING)
+        return np.where(inside, np.maximum(np.ceil(wide / spacing), 1.0), 1.0).astype(np.int64)
 
     def footpoint(self, site: int, u: float, point: Floats, angle: float) -> Footpoint:
         """The pleasant form of a footpoint; `angle` is kept on a normal fan only."""

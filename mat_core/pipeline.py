@@ -1,8 +1,10 @@
 """The stages in order: sites, skeleton, graph, curves, certificate.
 
+The skeleton is found from maximal discs, or on request by the paper's own march; everything else is the same.
+
 Each single setting of the tolerances has a narrow band of input noise, near its own size, where ties are told apart wrongly; the
-bands differ. So the stages are run for each rung of `tolerances.LADDER` until a result passes its certificate. Nothing else is
-ever returned.
+bands differ. So the stages are run for each rung of `tolerances.LADDER` until a result passes its certificate (the march, whose
+steps decide, has the first rung only). Nothing else is ever returned.
 """
 
 from __future__ import annotations
@@ -10,17 +12,19 @@ from __future__ import annotations
 import math
 
 from mat_core.axis import MedialAxis
-from mat_core.boundary.sites import build_sites
+from mat_core.boundary.sites import SiteTable, build_sites
 from mat_core.certificate import certify
 from mat_core.curves.assemble import build_axis
 from mat_core.errors import NotCertified, UnsupportedOption
 from mat_core.model.domain import Domain
 from mat_core.tolerances import LADDER, Tolerances
 from mat_core.topology.graph import build_graph
-from mat_core.topology.skeleton import build_skeleton
+from mat_core.topology.skeleton import Skeleton, build_skeleton
+from mat_core.tracing.march import march
 
 TOLERANCE_RANGE = (1e-12, 1e-1)
-METHODS = ("discs",)
+METHODS = ("discs", "march")
+CHECK_STEP_RANGE = (1, 10**6)
 
 
 def medial_axis(
@@ -29,6 +33,7 @@ def medial_axis(
     method: str = "discs",
     step: float | None = None,
     smooth_angle: float = 1e-6,
+    check_step: int | None = None,
 ) -> MedialAxis:
     """The certified medial axis transform of a domain.
 
@@ -40,13 +45,18 @@ def medial_axis(
         Largest error of the fitted curves (in x, y and radius together), relative to the larger side of the bounding box;
         1e-12 to 0.1. Segments between lines, circular arcs and points are exact and do not depend on it.
     method : str
-        "discs": maximal discs first, then tracing.
+        "discs": maximal discs first, then tracing. "march": the paper's published procedure, step by step along the boundary from
+        a convex vertex; it needs one, and may miss branches where its steps are too long (`mat_core.tracing.march`).
     step : float, optional
-        Largest spacing of sample points along the axis, relative to the larger side of the bounding box (the paper's tracing
-        step, section 6). The curves do not depend on it.
+        Largest spacing of sample points along the axis, relative to the larger side of the bounding box; at least 1e-6. The
+        curves do not depend on it. With "march" it is the tracing step along the boundary, too (the paper's section 6); there the
+        default is 0.001, or one hundredth of the smallest edge if that is smaller.
     smooth_angle : float
         Radians, 0 to 0.1; joints that turn by less are smooth: no branch of the axis runs into them. Where no axis with them
         smoothed passes its certificate (the rest of the boundary is nearly a circle, say), they are corners after all.
+    check_step : int, optional
+        Tracing steps of "march" from one check for a branch point to the next, 1 to 1,000,000; default 10. "discs", whose check
+        is exact, has no use for it.
 
     Returns
     -------
@@ -55,34 +65,51 @@ def medial_axis(
     Raises
     ------
     UnsupportedOption
-        An argument is out of its range.
+        An argument is out of its range; or "march" finds no convex vertex, or would take more than two million steps.
     NotCertified
-        No rung of the ladder of tolerances gave a result that passes its certificate; names the check and the place.
+        No rung of the ladder of tolerances gave a result that passes its certificate; names the check and the place. With
+        "march": it lost its way, or missed a branch.
 
     Notes
     -----
     After M. Ramanathan and B. Gurumoorthy, "Constructing medial axis transform of planar domains with curved boundaries" (2003),
     with branch points found from maximal discs before anything is traced.
     """
-    _check_options(tolerance, method, step, smooth_angle)
+    _check_options(tolerance, method, step, smooth_angle, check_step)
+    if method == "march":
+        return _march(domain, tolerance, step, smooth_angle, check_step)
     first: NotCertified | None = None
     for tolerances in LADDER:
+        table = build_sites(domain, min(smooth_angle, tolerances.smooth), tolerances)
         try:
-            return _solve(domain, tolerance, step, smooth_angle, tolerances)
+            return _finish(domain, table, build_skeleton(table, tolerances), tolerance, step, smooth_angle, tolerances)
         except NotCertified as error:
             first = first or error
     assert first is not None
     raise first
 
 
-def _solve(domain: Domain, tolerance: float, step: float | None, smooth_angle: float, tolerances: Tolerances) -> MedialAxis:
-    """One rung of the ladder."""
-    smoothed = min(smooth_angle, tolerances.smooth)
-    table = build_sites(domain, smoothed, tolerances)
-    skeleton, graph = build_graph(table, build_skeleton(table, tolerances), tolerances)
+def _march(domain: Domain, tolerance: float, step: float | None, smooth_angle: float, check_step: int | None) -> MedialAxis:
+    """The published procedure, judged as any other result."""
+    tolerances = LADDER[0]
+    table = build_sites(domain, min(smooth_angle, tolerances.smooth), tolerances)
+    skeleton = march(table, domain.size * table.scale, step, check_step)
+    try:
+        return _finish(domain, table, skeleton, tolerance, step, smooth_angle, tolerances)
+    except NotCertified as error:
+        advice = f'{error.detail} (a march misses a branch that its steps pass over; use a smaller step, or method "discs")'
+        raise NotCertified(advice, error.place, error.certificate) from error
+
+
+def _finish(
+    domain: Domain, table: SiteTable, skeleton: Skeleton, tolerance: float, step: float | None, smooth_angle: float,
+    tolerances: Tolerances,
+) -> MedialAxis:
+    """Graph, curves and certificate of a skeleton."""
+    skeleton, graph = build_graph(table, skeleton, tolerances)
     axis = build_axis(domain, table, skeleton, graph, tolerance, step)
     certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain)
-    certificate["smooth_angle"] = smoothed
+    certificate["smooth_angle"] = min(smooth_angle, tolerances.smooth)
     if not certificate["passed"]:
         name, check = next((name, check) for name, check in certificate["checks"].items() if not check["passed"])
         place = tuple(check["place"]) if check.get("place") else None
@@ -90,7 +117,9 @@ def _solve(domain: Domain, tolerance: float, step: float | None, smooth_angle: f
     return axis.with_certificate(certificate)
 
 
-def _check_options(tolerance: float, method: str, step: float | None, smooth_angle: float) -> None:
+def _check_options(
+    tolerance: float, method: str, step: float | None, smooth_angle: float, check_step: int | None
+) -> None:
     """Raise UnsupportedOption for an argument out of its range."""
     if method not in METHODS:
         raise UnsupportedOption("method", f"{method!r} is not available; use one of {', '.join(METHODS)}")
@@ -100,3 +129,7 @@ def _check_options(tolerance: float, method: str, step: float | None, smooth_ang
         raise UnsupportedOption("step", f"{step} is not a number of at least 1e-6")
     if not 0.0 <= smooth_angle <= 0.1:
         raise UnsupportedOption("smooth_angle", f"{smooth_angle} is not between 0 and 0.1 rad")
+    if check_step is not None:
+        low, high = CHECK_STEP_RANGE
+        if not isinstance(check_step, int) or isinstance(check_step, bool) or not low <= check_step <= high:
+            raise UnsupportedOption("check_step", f"{check_step} is not a whole number of tracing steps from {low} to {high}")

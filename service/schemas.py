@@ -50,12 +50,14 @@ class Options(Request):
     """How to solve, and what to answer; lengths are fractions of the larger side of the bounding box."""
 
     tolerance: Annotated[float, Field(ge=1e-12, le=0.1, description="largest error of a fitted curve")] = 1e-6
-    step: Annotated[float, Field(ge=1e-6, le=1e300, description="largest spacing of sample points")] | None = None
+    step: Annotated[
+        float | None, Field(ge=1e-6, le=1e300, description="largest spacing of sample points; the tracing step of march")
+    ] = None
     method: Annotated[
         Literal["discs", "march"],
-        Field(description="discs: maximal discs first; march, the published procedure, is refused by this version"),
+        Field(description="discs: maximal discs first; march: the published procedure, which needs a convex vertex"),
     ] = "discs"
-    check_step: Annotated[int, Field(ge=1, le=10**6, description="of march only, which this version refuses")] | None = None
+    check_step: Annotated[int, Field(ge=1, le=10**6, description="of march: steps between checks, default 10")] | None = None
     smooth_angle: Annotated[
         float, Field(ge=0, le=0.1, description="radians; a corner turning by less is taken as smooth")
     ] = 1e-6

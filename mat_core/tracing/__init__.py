@@ -1,1 +1,1 @@
-"""Points of the axis inside a strip, footpoint by footpoint."""
+"""Points of the axis, footpoint by footpoint: inside a strip, beside a fitted curve, and in the paper's own march."""
