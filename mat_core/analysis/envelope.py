@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from mat_core.analysis.fitting import Fits, bernstein, fit
 from mat_core.analysis.pieces import bezier_pieces
 from mat_core.axis import MedialAxis
+from mat_core.topology.graph import CURVATURE_CENTER
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -70,6 +71,7 @@ class Envelope:
     """
 
     def __init__(self, axis: MedialAxis, tolerance: float) -> None:
+        self.axis = axis
         self.degree, rows = bezier_pieces(axis)
         weight = rows[:, :, 3:]
         self.homogeneous = np.concatenate((rows[:, :, :3] * weight, weight), axis=2)
@@ -100,8 +102,9 @@ class Envelope:
         rows = self.rows
         span = np.hypot(rows[:, -1, 0] - rows[:, 0, 0], rows[:, -1, 1] - rows[:, 0, 1])
         items: list[tuple[int, float, float, int]] = []
+        nested = self._nested(span - np.abs(rows[:, -1, 2] - rows[:, 0, 2]))
         for p, n in enumerate(self.degree.tolist()):
-            if not span[p] > self.least[p] and not self._bulges(p):
+            if nested[p] or (not span[p] > self.least[p] and not self._bulges(p)):
                 continue
             leg = (n * (rows[p, 1, :2] - rows[p, 0, :2]), n * (rows[p, n, :2] - rows[p, n - 1, :2]))
             free = bool((rows[p, :, 3] == 1.0).all())
@@ -113,6 +116,23 @@ class Envelope:
         columns = list(zip(*items, strict=True)) or [(), (), (), ()]
         return Items(np.array(columns[0], dtype=np.int64), np.array(columns[1], dtype=float),
                      np.array(columns[2], dtype=float), np.array(columns[3], dtype=np.int64))
+
+    def _nested(self, beyond: Floats) -> Flags:
+        """Pieces beside a centre of curvature whose discs lie inside the one that the first of them starts with, but for errors.
+
+        An arc of that disc stands for their sides, whose directions are lost where r' is nearly 1. `beyond`: by how much the disc
+        at one end of each piece reaches out of that at the other one.
+        """
+        curves, runs = self.axis.curves, self.axis.runs
+        skipped: Flags = np.zeros(len(beyond), dtype=np.bool_)
+        for g, error in enumerate(curves.max_error.tolist()):
+            own = list(range(int(curves.part_start[g]), int(curves.part_start[g + 1])))
+            for node, inward in ((runs.start_node[g], own), (runs.end_node[g], own[::-1])):
+                if node < 0 or runs.node_kind[node] != CURVATURE_CENTER:
+                    continue
+                reach = np.cumsum(beyond[inward[:-1]])
+                skipped[inward[: int(np.searchsorted(reach, error))]] = True
+        return skipped
 
     def _bulges(self, p: int) -> bool:
         """Whether a piece whose ends coincide goes somewhere, nevertheless."""
