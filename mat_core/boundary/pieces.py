@@ -103,6 +103,15 @@ def _distance_from(cp, c0, deg, rational, end, s):
 
 
 @inner
+def _apart(cp, c0, deg, rational, a, b):
+    """Distance of the points at two parameters."""
+    near = c0 if a + b <= 1.0 else c0 + deg
+    ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, a, cp[near, 0], cp[near, 1])
+    bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, b, cp[near, 0], cp[near, 1])
+    return math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+
+
+@inner
 def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
     """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off.
 
@@ -231,6 +240,8 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
         if cut < n_roots:
             stop = roots[cut]
             if stop - begin < gap or last - stop < gap:
+                continue
+            if min(_apart(cp, c0, deg, rational, begin, stop), _apart(cp, c0, deg, rational, last, stop)) < SHORT * rounding:
                 continue
         while begin < stop:
             end = stop

@@ -50,6 +50,7 @@ INSET = 1e-3  # a first guess at an end is taken this share of the interval insi
 SETTLED = 1e-8  # a Newton step below this squares to rounding
 RETRIES = 6  # first guesses for a local foot
 CLOSE = 1e-10  # a foot this near to where a disc should touch is the one that was looked for
+BESIDE = 1e-15  # a foot this near to the footpoint is the same point
 POINTS = 8  # of the other side through which a first ball is laid
 BALL_STEPS = 40  # of the shrinking ball; five are usual
 BALL_SETTLED = 1e-14  # relative change of the radius that ends the iteration
@@ -408,7 +409,8 @@ def balls(si, sf, cp, site, site_s, frame, other, interval, disc, foot_s, partne
                 dx = bx - ax
                 dy = by - ay
                 ahead = 2.0 * (tx * dy - ty * dx)
-                if ahead * min(new, LARGEST) > dx * dx + dy * dy:
+                # (a foot at the vertex of both sites is none, whatever a handle of a few roundings makes of its direction)
+                if ahead * min(new, LARGEST) > dx * dx + dy * dy > BESIDE * BESIDE:
                     new = (dx * dx + dy * dy) / ahead
                     s = at
                     qx = dx
