@@ -82,7 +82,7 @@ def medial_axis(
     for tolerances in LADDER:
         table = build_sites(domain, min(smooth_angle, tolerances.smooth), tolerances)
         try:
-            return _finish(domain, table, build_skeleton(table, tolerances), tolerance, step, smooth_angle, tolerances)
+            return _finish(domain, table, build_skeleton(table, tolerances), tolerance, step, tolerances)
         except NotCertified as error:
             first = first or error
     assert first is not None
@@ -95,21 +95,20 @@ def _march(domain: Domain, tolerance: float, step: float | None, smooth_angle: f
     table = build_sites(domain, min(smooth_angle, tolerances.smooth), tolerances)
     skeleton = march(table, domain.size * table.scale, step, check_step)
     try:
-        return _finish(domain, table, skeleton, tolerance, step, smooth_angle, tolerances)
+        return _finish(domain, table, skeleton, tolerance, step, tolerances)
     except NotCertified as error:
         advice = f'{error.detail} (a march misses a branch that its steps pass over; use a smaller step, or method "discs")'
         raise NotCertified(advice, error.place, error.certificate) from error
 
 
 def _finish(
-    domain: Domain, table: SiteTable, skeleton: Skeleton, tolerance: float, step: float | None, smooth_angle: float,
-    tolerances: Tolerances,
+    domain: Domain, table: SiteTable, skeleton: Skeleton, tolerance: float, step: float | None, tolerances: Tolerances
 ) -> MedialAxis:
     """Graph, curves and certificate of a skeleton."""
     skeleton, graph = build_graph(table, skeleton, tolerances)
     axis = build_axis(domain, table, skeleton, graph, tolerance, step)
     certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain)
-    certificate["smooth_angle"] = min(smooth_angle, tolerances.smooth)
+    certificate["smooth_angle"] = table.smooth_angle
     if not certificate["passed"]:
         name, check = next((name, check) for name, check in certificate["checks"].items() if not check["passed"])
         place = tuple(check["place"]) if check.get("place") else None

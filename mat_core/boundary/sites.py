@@ -95,7 +95,8 @@ class SiteTable(NamedTuple):
     """Sites of a domain in normalised coordinates, (input - origin) * scale, so that the larger side is in [0.5, 1].
 
     si (n, SI_WIDTH) int64 and sf (n, SF_WIDTH) float64: columns in `mat_core.kernels.layout`; cp (m, 3): control points x, y
-    (relative to the site's start) and weight; loop_start (L + 1,): sites of each loop; origin (2,); scale: a power of two.
+    (relative to the site's start) and weight; loop_start (L + 1,): sites of each loop; origin (2,); scale: a power of two;
+    smooth_angle: joints that turn by no more, radians, were taken as smooth.
     """
 
     si: NDArray[np.int64]
@@ -104,6 +105,7 @@ class SiteTable(NamedTuple):
     loop_start: NDArray[np.int64]
     origin: NDArray[np.float64]
     scale: float
+    smooth_angle: float
 
 
 @jit
@@ -401,4 +403,4 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     turns = np.empty(n_pieces)
     loop_start = np.empty(len(a.loop_start), dtype=np.int64)
     n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, si, sf, turns, loop_start)
-    return SiteTable(si[:n], sf[:n], grown[:rows], loop_start, origin, scale)
+    return SiteTable(si[:n], sf[:n], grown[:rows], loop_start, origin, scale, smooth_angle)
