@@ -4,7 +4,8 @@
     picture.lines(offset.paths, "#3a78b4", label="offset").boundary()
     picture.save("offset.svg")
 
-Every method draws over what is there already and gives the picture back. Curves stay curves, as in `mat_core.formats.svg`.
+Every method draws over what is there already and gives the picture back. A path is a list of curves, head to tail, that stay
+curves as in `mat_core.formats.svg`, or an array (n, 2) of points with straight lines between them.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ if TYPE_CHECKING:
     from mat_core.model.domain import Domain
 
 Floats = NDArray[np.float64]
-Paths = Iterable[Iterable["RationalBSpline"]]
+Curves = Iterable[Iterable["RationalBSpline"]]
+Paths = Iterable["Iterable[RationalBSpline] | Floats"]
 
 DOMAIN_COLOUR, BOUNDARY_COLOUR, DISC_COLOUR, TEXT_COLOUR = "#f3f1ea", "#33343a", "#3a78b4", "#33343a"
 ROW = 24.0  # pixels, of the explanations under the picture
@@ -51,7 +53,7 @@ class Picture:
         Curves outside the domain for which there must be room, such as outward offsets.
     """
 
-    def __init__(self, domain: Domain, width: int = 800, around: Paths = ()) -> None:
+    def __init__(self, domain: Domain, width: int = 800, around: Curves = ()) -> None:
         self.domain = domain
         self.frame = Frame(hull_box((c for path in around for c in path), domain.bbox), width)
         self._tolerance = rounding(domain)
@@ -162,6 +164,9 @@ class Picture:
         """All paths as the commands of one."""
         out = ""
         for path in paths:
+            if isinstance(path, np.ndarray):
+                out += _polyline(self.frame.points(path))
+                continue
             curves = list(path)
             if shapes := primitives(curves, self._tolerance):
                 out += path_of(shapes, self.frame, is_closed(curves, self.domain.size))
@@ -190,6 +195,11 @@ class Picture:
                        f' font-family="sans-serif" font-size="13">{escape(label)}</text></g>')
             x += taken
         return out, y + 0.75 * ROW - self.frame.height if out else 0.0
+
+
+def _polyline(points: Floats) -> str:
+    """Points in pixels as one path; nothing for fewer than two."""
+    return f"M{numbers(points[0])}L{numbers(points[1:])}" if len(points) > 1 else ""
 
 
 def _rows(rows: ArrayLike) -> Floats:
