@@ -92,9 +92,8 @@ class Centerline:
     @property
     def paths(self) -> list[list[RationalBSpline]]:
         """The one path with its extensions, from its start to its end: what formats draw."""
-        segments = (self.axis.segments[g] for g, _ in self.path)
-        curves = [RationalBSpline(s.degree, s.knots, s.control_points, s.weights) for s in segments]
-        turned = [c if forward else c.reversed() for c, (_, forward) in zip(curves, self.path, strict=True)]
+        curves = ((self.axis.segments[g].curve, forward) for g, forward in self.path)
+        turned = [c if forward else c.reversed() for c, forward in curves]
         before = [_line(self.before.end, self.before.start)] if self.before else []
         after = [_line(self.after.start, self.after.end)] if self.after else []
         return [[*before, *turned, *after]]

@@ -66,8 +66,7 @@ def to_dxf(axis: MedialAxis, paths: Paths | Mapping[str, Paths] = (), layer: str
     arrays = axis.domain.arrays
     for loop in range(len(arrays.loop_start) - 1):
         _draw(space, primitives(arrays.loop(loop), tolerance), "boundary")
-    centres = (RationalBSpline(s.degree, s.knots, s.control_points, s.weights) for s in axis.segments)
-    _draw(space, primitives(centres, tolerance), "axis")
+    _draw(space, primitives((s.curve for s in axis.segments), tolerance), "axis")
     for node in axis.nodes:
         space.add_point(node.point, dxfattribs={"layer": "nodes"})
     for name, own in (paths if isinstance(paths, Mapping) else {layer: paths}).items():

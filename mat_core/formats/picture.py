@@ -38,6 +38,7 @@ ROW = 24.0  # pixels, of the explanations under the picture
 LETTER = 7.2  # pixels, about the width of one
 SWATCH = 28.0  # pixels, length of a sample of colour
 SCALE_STEPS = 24  # colours of a field
+OVERLAP = 0.5  # pixels by which a cell lies over the next, so that nothing shines through between them
 
 
 class Picture:
@@ -136,7 +137,7 @@ class Picture:
         shapes = "".join(f'<path fill="{colour}" d="{path}"/>' for colour, path in _runs(across, up, level, self.frame) if path)
         self._scale(low, high, label)
         return self._add(f'<clipPath id="{clip}"><path clip-rule="evenodd" d="{self._outline}"/></clipPath>'
-                         f'<g clip-path="url(#{clip})" shape-rendering="crispEdges">{shapes}</g>')
+                         f'<g clip-path="url(#{clip})">{shapes}</g>')
 
     # Output ------------------------------------------------------------------------------------------------------
     def to_svg(self) -> str:
@@ -220,5 +221,5 @@ def _runs(x: Floats, y: Floats, level: NDArray[np.int64], frame: Frame) -> Seque
             if own[first] >= 0:
                 corners = frame.points(np.array([[x[first], row], [x[last - 1], row]]) + np.array([-half, half]))
                 (a, b), (c, d) = corners.tolist()
-                paths[own[first]] += f"M{numbers(np.array([a, b]))}H{c:.1f}V{d:.1f}H{a:.1f}Z"
+                paths[own[first]] += f"M{a:.1f} {b:.1f}H{c + OVERLAP:.1f}V{d + OVERLAP:.1f}H{a:.1f}Z"
     return list(zip(colour_scale(SCALE_STEPS), paths, strict=True))
