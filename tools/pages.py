@@ -25,9 +25,9 @@ BLOCK = re.compile(r"```python\n(?P<code>.*?)```\n(?:\n```text\n(?P<told>.*?)```
 
 @dataclass(frozen=True)
 class Ran:
-    """A page that was run: its namespace, and what each block printed beside what the page says it prints."""
+    """A page that was run: the names after each block, and what it printed beside what the page says it prints."""
 
-    names: dict[str, Any]
+    names: list[dict[str, Any]]
     printed: list[str]
     told: list[str]
 
@@ -36,7 +36,7 @@ def run(page: Path, folder: Path) -> Ran:
     """Run a page in a folder, which gets its files."""
     (folder / "openapi").symlink_to(ROOT / "openapi")
     names: dict[str, Any] = {"__name__": page.stem}
-    printed, told = [], []
+    after, printed, told = [], [], []
     text = page.read_text(encoding="utf-8")
     with _inside(folder):
         for block in BLOCK.finditer(text):
@@ -45,9 +45,10 @@ def run(page: Path, folder: Path) -> Ran:
             stream = io.StringIO()
             with contextlib.redirect_stdout(stream):
                 exec(code, names)
+            after.append(dict(names))
             printed.append(stream.getvalue())
             told.append(block["told"] or "")
-    return Ran(names, printed, told)
+    return Ran(after, printed, told)
 
 
 @contextlib.contextmanager

@@ -19,6 +19,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mat_core.analysis.outline import measure
 from mat_core.errors import UnsupportedOption
 from mat_core.formats.primitives import primitives, rounding
 from mat_core.formats.svg import axis_strokes, colour_scale, is_closed, outline_path
@@ -136,7 +137,7 @@ class Picture:
         clip = f"inside{len(self._layers)}"
         shapes = "".join(f'<path fill="{colour}" d="{path}"/>' for colour, path in _runs(across, up, level, self.frame) if path)
         self._scale(low, high, label)
-        return self._add(f'<clipPath id="{clip}"><path clip-rule="evenodd" d="{self._outline}"/></clipPath>'
+        return self._add(f'<clipPath id="{clip}"><path d="{self._path(_oriented(self.domain))}"/></clipPath>'
                          f'<g clip-path="url(#{clip})">{shapes}</g>')
 
     # Output ------------------------------------------------------------------------------------------------------
@@ -198,6 +199,13 @@ class Picture:
         return out, y + 0.75 * ROW - self.frame.height if out else 0.0
 
 
+def _oriented(domain: Domain) -> Curves:
+    """The loops, holes against the outer one: some programs clip by the non-zero rule only."""
+    for i, loop in enumerate(domain.loops):
+        anticlockwise = measure(list(loop))[0] > 0.0
+        yield loop if anticlockwise == (i == 0) else [curve.reversed() for curve in reversed(loop)]
+
+
 def _polyline(points: Floats) -> str:
     """Points in pixels as one path; nothing for fewer than two."""
     return f"M{numbers(points[0])}L{numbers(points[1:])}" if len(points) > 1 else ""
@@ -221,5 +229,6 @@ def _runs(x: Floats, y: Floats, level: NDArray[np.int64], frame: Frame) -> Seque
             if own[first] >= 0:
                 corners = frame.points(np.array([[x[first], row], [x[last - 1], row]]) + np.array([-half, half]))
                 (a, b), (c, d) = corners.tolist()
-                paths[own[first]] += f"M{a:.1f} {b:.1f}H{c + OVERLAP:.1f}V{d + OVERLAP:.1f}H{a:.1f}Z"
+                across, up = c - a + OVERLAP, b - d + OVERLAP
+                paths[own[first]] += f"M{a:.1f} {b:.1f}h{across:.1f}v{-up:.1f}h{-across:.1f}z"
     return list(zip(colour_scale(SCALE_STEPS), paths, strict=True))

@@ -20,7 +20,8 @@ from service.settings import Settings, variable
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
-DOCUMENTS = ["README.md", "ARCHITECTURE.md", "GLOSSARY.md", "CHANGELOG.md"]
+PAGES = [str(page.relative_to(ROOT)) for page in sorted((ROOT / "docs").glob("*.md"))]
+DOCUMENTS = ["README.md", "ARCHITECTURE.md", "GLOSSARY.md", "CHANGELOG.md", *PAGES]
 
 
 def blocks(language: str) -> list[str]:
@@ -91,8 +92,16 @@ def test_the_settings_table_is_the_settings() -> None:
 
 def test_every_link_leads_somewhere() -> None:
     for name in DOCUMENTS:
-        for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / name).read_text(encoding="utf-8")):
-            assert (ROOT / target).exists(), f"{name}: {target}"
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", (ROOT / name).read_text(encoding="utf-8")):
+            assert ((ROOT / name).parent / target).exists(), f"{name}: {target}"
+
+
+def test_every_link_to_a_heading_leads_to_one() -> None:
+    for name in DOCUMENTS:
+        for target, heading in re.findall(r"\]\(([^)#:]*)#([^)]+)\)", (ROOT / name).read_text(encoding="utf-8")):
+            page = (ROOT / name).parent / target if target else ROOT / name
+            headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+            assert heading in {re.sub(r"[^\w -]", "", h.lower()).replace(" ", "-") for h in headings}, f"{name}: {target}#{heading}"
 
 
 def test_every_file_that_a_command_of_the_readme_reads_exists() -> None:
@@ -110,9 +119,11 @@ def test_the_json_of_the_readme_is_json() -> None:
 def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "openapi").symlink_to(ROOT / "openapi")
     monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
     for block in blocks("python"):
-        exec(compile(block, "README.md", "exec"), {})
-    assert (tmp_path / "rectangle.svg").read_text().startswith("<svg")
+        exec(compile(block, "README.md", "exec"), names)
+    for picture in ("rectangle.svg", "offset.svg"):
+        assert (tmp_path / picture).read_text().startswith("<svg")
 
 
 def test_modules_and_packages_named_by_the_architecture_exist() -> None:
