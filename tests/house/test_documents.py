@@ -101,7 +101,8 @@ def test_every_link_to_a_heading_leads_to_one() -> None:
         for target, heading in re.findall(r"\]\(([^)#:]*)#([^)]+)\)", (ROOT / name).read_text(encoding="utf-8")):
             page = (ROOT / name).parent / target if target else ROOT / name
             headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
-            assert heading in {re.sub(r"[^\w -]", "", h.lower()).replace(" ", "-") for h in headings}, f"{name}: {target}#{heading}"
+            anchors = {re.sub(r"[^\w -]", "", text.lower()).replace(" ", "-") for text in headings}
+            assert heading in anchors, f"{name}: {target}#{heading}"
 
 
 def test_every_file_that_a_command_of_the_readme_reads_exists() -> None:
