@@ -5,7 +5,7 @@ PORT ?= 8000
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help run test hunt lint types imports openapi docs lock bench clean dev
+.PHONY: help run test hunt lint types imports openapi lock bench docs clean dev
 
 help: ## what can be made
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 18
@@ -36,11 +36,11 @@ imports: dev ## who may import whom
 openapi: dev ## write openapi/openapi.json anew
 	@$(BIN)/python tools/write_openapi.py
 
-docs: dev ## run the pages in docs, write their pictures and printed lines anew
-	@PYTHONPATH=. $(BIN)/python tools/pages.py
-
 bench: dev ## the benchmarks
 	@$(BIN)/python -m benchmarks
+
+docs: dev ## run the pages in docs, write their pictures and printed lines anew
+	@PYTHONPATH=. $(BIN)/python tools/pages.py
 
 lock: dev ## resolve the dependencies anew (needs uv)
 	@$(BIN)/python tools/lock.py

@@ -32,6 +32,11 @@ class Ran:
     told: list[str]
 
 
+def pages() -> list[Path]:
+    """Those that have Python to run."""
+    return [page for page in sorted(DOCS.glob("*.md")) if BLOCK.search(page.read_text(encoding="utf-8"))]
+
+
 def run(page: Path, folder: Path) -> Ran:
     """Run a page in a folder, which gets its files."""
     (folder / "openapi").symlink_to(ROOT / "openapi")
@@ -75,7 +80,7 @@ def rewritten(page: Path, printed: list[str]) -> str:
 
 def main() -> int:
     """Run the pages named, or all; write what they print and draw."""
-    named = [DOCS / f"{name}.md" for name in sys.argv[1:]] or sorted(DOCS.glob("*.md"))
+    named = [DOCS / f"{name}.md" for name in sys.argv[1:]] or pages()
     PICTURES.mkdir(exist_ok=True)
     for page in named:
         with tempfile.TemporaryDirectory() as folder:
