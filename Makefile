@@ -5,7 +5,7 @@ PORT ?= 8000
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help run test hunt lint types imports openapi lock bench docs clean dev
+.PHONY: help run test hunt lint types imports openapi lock bench clean dev
 
 help: ## what can be made
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 18
@@ -39,6 +39,7 @@ openapi: dev ## write openapi/openapi.json anew
 bench: dev ## the benchmarks
 	@$(BIN)/python -m benchmarks
 
+.PHONY: docs
 docs: dev ## run the pages in docs, write their pictures and printed lines anew
 	@PYTHONPATH=. $(BIN)/python tools/pages.py
 
