@@ -39,6 +39,15 @@ def rows(text: str, header: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in table.splitlines()[2:]]
 
 
+def test_every_link_to_a_heading_leads_to_one() -> None:
+    for name in written():
+        for target, heading in re.findall(r"\]\(([^)#:]*)#([^)]+)\)", (ROOT / name).read_text(encoding="utf-8")):
+            page = (ROOT / name).parent / target if target else ROOT / name
+            headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+            anchors = {re.sub(r"[^\w -]", "", text.lower()).replace(" ", "-") for text in headings}
+            assert heading in anchors, f"{name}: {target}#{heading}"
+
+
 def test_every_make_command_exists() -> None:
     named = set(re.findall(r"\bmake ([a-z]+)", README + (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")))
     targets = set(re.findall(r"^([a-z]+):", MAKEFILE, re.MULTILINE))
@@ -98,15 +107,6 @@ def test_every_link_leads_somewhere() -> None:
     for name in written():
         for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / name).read_text(encoding="utf-8")):
             assert ((ROOT / name).parent / target).exists(), f"{name}: {target}"
-
-
-def test_every_link_to_a_heading_leads_to_one() -> None:
-    for name in written():
-        for target, heading in re.findall(r"\]\(([^)#:]*)#([^)]+)\)", (ROOT / name).read_text(encoding="utf-8")):
-            page = (ROOT / name).parent / target if target else ROOT / name
-            headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
-            anchors = {re.sub(r"[^\w -]", "", text.lower()).replace(" ", "-") for text in headings}
-            assert heading in anchors, f"{name}: {target}#{heading}"
 
 
 def test_every_file_that_a_command_of_the_readme_reads_exists() -> None:
