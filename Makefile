@@ -42,6 +42,10 @@ paper: dev ## run the paper's procedure, write docs/paper.md and its pictures
 bench: dev ## the benchmarks
 	@$(BIN)/python -m benchmarks
 
+.PHONY: docs
+docs: dev ## run the pages in docs, write their pictures and printed lines anew
+	@PYTHONPATH=. $(BIN)/python tools/pages.py
+
 lock: dev ## resolve the dependencies anew (needs uv)
 	@$(BIN)/python tools/lock.py
 

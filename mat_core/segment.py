@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mat_core.lengths import curve_lengths
+from mat_core.model.curve import RationalBSpline
 
 if TYPE_CHECKING:
     from mat_core.axis import Footpoint, MedialAxis, Samples
@@ -85,6 +86,11 @@ class Segment:
     def weights(self) -> Floats:
         """(n,) weights, all 1 on a polynomial curve."""
         return self.axis.curves.cp[self._rows, 3]
+
+    @property
+    def curve(self) -> RationalBSpline:
+        """The curve of centres by itself, without the radius."""
+        return RationalBSpline(self.degree, self.knots, self.control_points, self.weights)
 
     @property
     def max_error(self) -> float:

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from mat_core.axis import MedialAxis, Point
 from mat_core.errors import UnsupportedOption
+from mat_core.model.curve import RationalBSpline
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -88,6 +89,15 @@ class Centerline:
     before: Extension | None
     after: Extension | None
 
+    @property
+    def paths(self) -> list[list[RationalBSpline]]:
+        """The one path with its extensions, from its start to its end: what formats draw."""
+        curves = ((self.axis.segments[g].curve, forward) for g, forward in self.path)
+        turned = [c if forward else c.reversed() for c, forward in curves]
+        before = [_line(self.before.end, self.before.start)] if self.before else []
+        after = [_line(self.after.start, self.after.end)] if self.after else []
+        return [[*before, *turned, *after]]
+
     def sample(self, spacing: float | None = None) -> Floats:
         """Discs along the path with its extensions, evenly by length.
 
@@ -143,6 +153,10 @@ class Centerline:
             "before": None if self.before is None else self.before.to_dict(),
             "after": None if self.after is None else self.after.to_dict(),
         }
+
+
+def _line(start: Point, end: Point) -> RationalBSpline:
+    return RationalBSpline(1, np.array([0.0, 0.0, 1.0, 1.0]), np.array([start, end]), np.ones(2))
 
 
 def centerline(axis: MedialAxis, extend: bool = False) -> Centerline:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mat_core.analysis.peeling import Cut, Peeling
 from mat_core.analysis.places import discs_inside
 from mat_core.analysis.spans import stretch
 from mat_core.axis import Footpoint, MedialAxis, Point
+from mat_core.errors import UnsupportedOption
+from mat_core.model.curve import RationalBSpline
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +98,50 @@ class PrunedAxis:
     def runs(self) -> tuple[tuple[tuple[int, bool], ...], ...]:
         """Chains of segments through nodes where two end: (index in `segments`, whether travelled with t) in order."""
         return _runs(self)
+
+    @property
+    def paths(self) -> list[list[RationalBSpline]]:
+        """The curve of centres of each segment: what formats draw."""
+        curves = []
+        for s in self.segments:
+            degree, knots, rows = stretch(self.axis, s.segment, s.t0, s.t1)
+            curves.append([RationalBSpline(degree, knots, rows[:, :2], rows[:, 3])])
+        return curves
+
+    def sample(self, spacing: float) -> tuple[Floats, ...]:
+        """Discs along each run, evenly by length on each of its segments.
+
+        Parameters
+        ----------
+        spacing : float
+            Largest distance between neighbours, in the caller's unit.
+
+        Returns
+        -------
+        tuple of (n, 3) float64
+            Rows x, y, r of each of `runs`; its nodes are among them. Of an axis that is a point, its one disc.
+
+        Raises
+        ------
+        UnsupportedOption
+            `spacing` is not a positive length.
+        """
+        if not (spacing > 0.0 and math.isfinite(spacing)):
+            raise UnsupportedOption("spacing", f"{spacing} is not a positive length")
+        if not self.segments:
+            return tuple(np.array([[*n.point, n.radius]]) for n in self.nodes)
+        return tuple(self._along(run, spacing) for run in self.runs)
+
+    def _along(self, run: tuple[tuple[int, bool], ...], spacing: float) -> Floats:
+        found: list[Floats] = []
+        for i, forward in run:
+            kept = self.segments[i]
+            segment = self.axis.segments[kept.segment]
+            before, length = segment.arc_length(0.0, kept.t0), segment.arc_length(kept.t0, kept.t1)
+            places = before + np.linspace(0.0, length, max(math.ceil(length / spacing), 1) + 1)
+            rows = segment.evaluate(segment.parameter_at(places))[:: 1 if forward else -1]
+            found.append(rows[1:] if found else rows)
+        return np.vstack(found)
 
     def to_dict(self) -> dict[str, Any]:
         """The answer document's segments and graph of what is kept, and the cuts.

@@ -65,6 +65,11 @@ class Reconstruction:
     area: float
 
     @property
+    def paths(self) -> list[list[RationalBSpline]]:
+        """The curves of each loop, the outer one first: what formats draw."""
+        return [list(loop) for loop in (self.outer, *self.holes)]
+
+    @property
     def distance(self) -> float:
         """The larger one of both distances."""
         return max(self.to_boundary, self.from_boundary)

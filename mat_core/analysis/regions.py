@@ -9,6 +9,7 @@ from typing import Any
 from mat_core.analysis.outline import edge_dicts, measure
 from mat_core.analysis.parallel import Source
 from mat_core.model.curve import RationalBSpline
+from mat_core.model.domain import Domain
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +40,14 @@ class OffsetLoop:
 
     edges: tuple[OffsetEdge, ...]
 
+    @property
+    def curves(self) -> list[RationalBSpline]:
+        """The curves of the edges."""
+        return [e.curve for e in self.edges]
+
     @cached_property
     def _measures(self) -> tuple[float, float]:
-        return measure([e.curve for e in self.edges])
+        return measure(self.curves)
 
     @property
     def area(self) -> float:
@@ -72,9 +78,13 @@ class OffsetRegion:
         """Of the outer loop less that of the holes."""
         return self.outer.area + sum(hole.area for hole in self.holes)
 
+    def domain(self) -> Domain:
+        """The region as a domain, to solve and offset again."""
+        return Domain.from_dict(self.to_dict())
+
     def to_dict(self) -> dict[str, Any]:
         """A JSON domain: what `Domain.from_dict` reads."""
-        loops = [edge_dicts([e.curve for e in loop.edges]) for loop in (self.outer, *self.holes)]
+        loops = [edge_dicts(loop.curves) for loop in (self.outer, *self.holes)]
         return {"outer": loops[0], "holes": loops[1:]}
 
 
@@ -97,6 +107,11 @@ class Offset:
     def loops(self) -> tuple[OffsetLoop, ...]:
         """All loops, each region's outer one before its holes."""
         return tuple(loop for region in self.regions for loop in (region.outer, *region.holes))
+
+    @property
+    def paths(self) -> list[list[RationalBSpline]]:
+        """The curves of each loop, head to tail: what formats draw."""
+        return [loop.curves for loop in self.loops]
 
     @property
     def area(self) -> float:

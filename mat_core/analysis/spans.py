@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.axis import MedialAxis
+from mat_core.model.curve import restricted
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -65,10 +66,10 @@ def stretch(axis: MedialAxis, segment: int, t0: float, t1: float) -> tuple[int, 
     kept = (begin < end) & (begin < t1) & (end > t0)
     at, begin, end = at[kept], begin[kept], end[kept]
     spans = _cut(axis, at, np.full(len(at), segment), degree)
-    spans[-1] = _restricted(spans[-1], 0.0, (t1 - begin[-1]) / (end[-1] - begin[-1]) if t1 < end[-1] else 1.0)
+    spans[-1] = restricted(spans[-1], 0.0, (t1 - begin[-1]) / (end[-1] - begin[-1]) if t1 < end[-1] else 1.0)
     if t0 > begin[0]:
         last = min(t1, float(end[0]))
-        spans[0] = _restricted(spans[0], (t0 - begin[0]) / (last - begin[0]), 1.0)
+        spans[0] = restricted(spans[0], (t0 - begin[0]) / (last - begin[0]), 1.0)
     rows = np.concatenate((spans[:, :-1].reshape(-1, 4), spans[-1:, -1]))
     rows[:, :3] /= rows[:, 3:]
     rows[:, :3] /= axis.table.scale
@@ -93,19 +94,6 @@ def _cut(axis: MedialAxis, at: Ints, segment: Ints, degree: int) -> Floats:
     local = c.cp[first[:, None] + np.arange(degree + 1)]
     local = np.concatenate((local[..., :3] * local[..., 3:], local[..., 3:]), axis=2)
     return _blossoms(local, c.knots[at[:, None] + np.arange(1 - degree, degree + 1)], degree)
-
-
-def _restricted(rows: Floats, s0: float, s1: float) -> Floats:
-    """Bezier rows (p + 1, d) over [s0, s1] in [0, 1], by convex steps."""
-    out, p = rows.copy(), len(rows) - 1
-    for r in range(1, p + 1):
-        for i in range(p, r - 1, -1):
-            out[i] = (1.0 - s1) * out[i - 1] + s1 * out[i]
-    share = s0 / s1
-    for r in range(1, p + 1):
-        for i in range(p - r + 1):
-            out[i] = (1.0 - share) * out[i] + share * out[i + 1]
-    return out
 
 
 def _blossoms(rows: Floats, knots: Floats, degree: int) -> Floats:

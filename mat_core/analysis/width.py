@@ -93,7 +93,9 @@ class Width:
     walls : tuple of Wall
         In order of segment and t.
     thin : tuple of BoundaryInterval or None
-        With a limit: the boundary on walls thinner than it, in order of loop, edge and u; None without.
+        With a limit: the boundary on walls no thicker than it, in order of loop, edge and u; None without.
+    thin_walls : tuple of Wall or None
+        With a limit: what of `walls` is no thicker than it, cut where it grows thicker; None without.
     angle : float
         Radians; what counts as wall.
     limit : float or None
@@ -104,6 +106,7 @@ class Width:
     necks: tuple[Thickness, ...]
     walls: tuple[Wall, ...]
     thin: tuple[BoundaryInterval, ...] | None
+    thin_walls: tuple[Wall, ...] | None
     angle: float
     limit: float | None
 
@@ -114,6 +117,7 @@ class Width:
             "necks": [n.to_dict() for n in self.necks],
             "walls": [w.to_dict() for w in self.walls],
             "thin": None if self.thin is None else [i.to_dict() for i in self.thin],
+            "thin_walls": None if self.thin_walls is None else [w.to_dict() for w in self.thin_walls],
             "angle": self.angle,
             "limit": self.limit,
         }
@@ -126,7 +130,8 @@ def width(axis: MedialAxis, limit: float | None = None, *, angle: float = WALL_A
     ----------
     axis : MedialAxis
     limit : float, optional
-        Thickness in the caller's unit. Where it is given, `Width.thin` lists the boundary that discs of less diameter touch.
+        Thickness in the caller's unit. Where it is given, `Width.thin` lists the boundary that walls touch
+        whose discs have this diameter or less, `Width.thin_walls` these walls themselves.
     angle : float
         Radians, 0 to pi. A disc is wall where two of its contacts are at least this far apart as seen from its centre; 0 makes
         a wall of everything, corners too. The default lets sides open by 30 degrees.
@@ -149,11 +154,12 @@ def width(axis: MedialAxis, limit: float | None = None, *, angle: float = WALL_A
     stretches = slope_intervals(axis, math.cos(0.5 * angle))
     walls, places = _walls(axis, stretches, arcs)
     facing = facing_discs(axis, angle)
-    thin = None
+    thin = thin_walls = None
     if limit is not None:
         below = intersection(stretches, radius_intervals(axis, high=0.5 * limit, arcs=arcs))
         thin = touched(axis, below, facing[axis.skeleton.disc[facing, 2] / axis.table.scale <= 0.5 * limit])
-    return Width(_minimum(axis, walls, places, facing), _necks(axis, arcs), walls, thin, float(angle), limit)
+        thin_walls, _ = _walls(axis, below, arcs)
+    return Width(_minimum(axis, walls, places, facing), _necks(axis, arcs), walls, thin, thin_walls, float(angle), limit)
 
 
 def _walls(axis: MedialAxis, stretches: Intervals, arcs: RadiusArcs) -> tuple[tuple[Wall, ...], Floats]:

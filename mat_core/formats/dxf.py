@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from mat_core.formats.primitives import Arc, Line, Primitive, primitives, rounding
@@ -36,16 +36,19 @@ DATES = ("$TDCREATE", "$TDUCREATE", "$TDUPDATE", "$TDUUPDATE")
 GUIDS = ("$VERSIONGUID", "$FINGERPRINTGUID")
 
 
-def to_dxf(axis: MedialAxis, paths: Iterable[Iterable[RationalBSpline]] = (), layer: str = "offset") -> str:
+Paths = Iterable[Iterable[RationalBSpline]]
+
+
+def to_dxf(axis: MedialAxis, paths: Paths | Mapping[str, Paths] = (), layer: str = "offset") -> str:
     """A drawing of boundary, axis, nodes and what was found from them.
 
     Parameters
     ----------
     axis : MedialAxis
-    paths : iterable of iterables of RationalBSpline
-        Further curves, such as the loops of an offset.
+    paths : iterable of iterables of RationalBSpline, or a mapping of layers to such
+        Further curves, such as the loops of an offset; written in the order given.
     layer : str
-        Their layer.
+        Their layer, where `paths` names none.
 
     Returns
     -------
@@ -63,14 +66,14 @@ def to_dxf(axis: MedialAxis, paths: Iterable[Iterable[RationalBSpline]] = (), la
     arrays = axis.domain.arrays
     for loop in range(len(arrays.loop_start) - 1):
         _draw(space, primitives(arrays.loop(loop), tolerance), "boundary")
-    centres = (RationalBSpline(s.degree, s.knots, s.control_points, s.weights) for s in axis.segments)
-    _draw(space, primitives(centres, tolerance), "axis")
+    _draw(space, primitives((s.curve for s in axis.segments), tolerance), "axis")
     for node in axis.nodes:
         space.add_point(node.point, dxfattribs={"layer": "nodes"})
-    for curves in paths:
-        if layer not in drawing.layers:
-            drawing.layers.add(layer, color=RESULT_COLOUR)
-        _draw(space, primitives(curves, tolerance), layer)
+    for name, own in (paths if isinstance(paths, Mapping) else {layer: paths}).items():
+        for curves in own:
+            if name not in drawing.layers:
+                drawing.layers.add(name, color=RESULT_COLOUR)
+            _draw(space, primitives(curves, tolerance), name)
     return _text(drawing)
 
 

@@ -68,7 +68,7 @@ def render(axis: MedialAxis, width: int = 800) -> str:
         An SVG document.
     """
     frame = Frame(axis.domain.bbox, width)
-    outline = _outline(axis.domain, frame)
+    outline = outline_path(axis.domain, frame)
     thin = _thinness(axis, frame)
     title = f"Medial axis: {len(axis.nodes)} nodes, {len(axis.segments)} segments, {axis.runs.cycles} cycles"
     return _document(
@@ -78,7 +78,7 @@ def render(axis: MedialAxis, width: int = 800) -> str:
         [
             f'<path class="fill" d="{outline}"/>',
             *_discs(axis, frame),
-            *_strokes(axis, frame),
+            *axis_strokes(axis, frame),
             f'<path class="boundary" d="{outline}"/>',
             *_nodes(axis, frame, thin),
         ],
@@ -114,7 +114,7 @@ def render_result(
     """
     drawn = [curves for path in paths if (curves := list(path))]
     frame = Frame(hull_box((curve for curves in drawn for curve in curves), axis.domain.bbox), width)
-    outline = _outline(axis.domain, frame)
+    outline = outline_path(axis.domain, frame)
     tolerance = rounding(axis.domain)
     sorted_paths: dict[str, str] = {"result": "", "result line": ""}
     for curves in drawn:
@@ -140,7 +140,7 @@ def _document(frame: Frame, title: str, thin: float, parts: list[str]) -> str:
     return "\n".join([head, f"<title>{escape(title)}</title>", f"<style>{style}</style>", *parts, "</svg>"]) + "\n"
 
 
-def _outline(domain: Domain, frame: Frame) -> str:
+def outline_path(domain: Domain, frame: Frame) -> str:
     """All loops of the domain as one path."""
     tolerance = rounding(domain)
     return "".join(path_of(primitives(loop, tolerance), frame) for loop in (domain.outer, *domain.holes))
@@ -166,7 +166,7 @@ def colour_scale(count: int = COLOURS) -> list[str]:
     return [f"#{int(r):02x}{int(g):02x}{int(b):02x}" for r, g, b in zip(*channels, strict=True)]
 
 
-def _strokes(axis: MedialAxis, frame: Frame) -> list[str]:
+def axis_strokes(axis: MedialAxis, frame: Frame) -> list[str]:
     """The axis, one path for each colour of the scale."""
     c = axis.curves
     if not len(c.part_f):

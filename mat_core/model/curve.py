@@ -105,6 +105,44 @@ class RationalBSpline:
         spans = decompose(self.degree, self.knots, 0, len(self.knots), cp, 0, n, rows, breaks)
         return rows[: spans * (self.degree + 1)], breaks[: spans + 1]
 
+    def part(self, u0: float, u1: float) -> RationalBSpline:
+        """The curve from u0 to u1, in the same parameter.
+
+        Parameters
+        ----------
+        u0, u1 : float
+            u0 < u1; what is outside of `domain` is left off.
+
+        Returns
+        -------
+        RationalBSpline
+            Of the same degree, each inner knot `degree` times.
+
+        Raises
+        ------
+        ValueError
+            If nothing of the curve lies between u0 and u1.
+        """
+        flat, breaks = self.pieces()
+        u0, u1 = max(u0, float(breaks[0])), min(u1, float(breaks[-1]))
+        if not u0 < u1:
+            raise ValueError(f"nothing of a curve over {self.domain} lies between {u0} and {u1}")
+        kept = np.nonzero((breaks[:-1] < u1) & (breaks[1:] > u0))[0]
+        rows = flat.reshape(-1, self.degree + 1, 3)[kept]
+        rows[..., :2] *= rows[..., 2:]
+        begin, end = breaks[kept], breaks[kept + 1]
+        rows[-1] = restricted(rows[-1], 0.0, (u1 - begin[-1]) / (end[-1] - begin[-1]))
+        last = min(u1, float(end[0]))
+        rows[0] = restricted(rows[0], (u0 - begin[0]) / (last - begin[0]), 1.0)
+        chain = np.concatenate((rows[:, :-1].reshape(-1, 3), rows[-1:, -1]))
+        knots = np.concatenate(([u0] * (self.degree + 1), np.repeat(begin[1:], self.degree), [u1] * (self.degree + 1)))
+        return RationalBSpline(self.degree, knots, chain[:, :2] / chain[:, 2:], chain[:, 2].copy())
+
+    def reversed(self) -> RationalBSpline:
+        """The curve run through the other way, over the same range of u."""
+        first, last = self.domain
+        return RationalBSpline(self.degree, (first + last - self.knots)[::-1], self.control_points[::-1], self.weights[::-1])
+
     def to_dict(self) -> dict[str, object]:
         """The edge in the form `Domain.from_dict` reads; weights are left out when all are 1."""
         edge: dict[str, object] = {
@@ -123,3 +161,16 @@ def elevated_lines(rows: NDArray[np.float64]) -> NDArray[np.float64]:
     weight = start[:, 2:] + end[:, 2:]
     middle = start[:, :2] + end[:, 2:] / weight * (end[:, :2] - start[:, :2])
     return np.stack((start, np.column_stack((middle, 0.5 * weight)), end), axis=1).reshape(-1, 3)
+
+
+def restricted(rows: NDArray[np.float64], s0: float, s1: float) -> NDArray[np.float64]:
+    """Bezier rows (p + 1, d), homogeneous, over [s0, s1] in [0, 1], by convex steps."""
+    out, p = rows.copy(), len(rows) - 1
+    for r in range(1, p + 1):
+        for i in range(p, r - 1, -1):
+            out[i] = (1.0 - s1) * out[i - 1] + s1 * out[i]
+    share = s0 / s1
+    for r in range(1, p + 1):
+        for i in range(p - r + 1):
+            out[i] = (1.0 - share) * out[i] + share * out[i + 1]
+    return out

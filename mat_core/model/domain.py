@@ -97,6 +97,11 @@ class Domain:
         given = self.given or self.arrays
         return tuple(given.loop(i) for i in range(1, len(self.arrays.loop_start) - 1))
 
+    @property
+    def loops(self) -> tuple[tuple[RationalBSpline, ...], ...]:
+        """The edges of all loops, numbered as footpoints number them: the outer one, then the holes."""
+        return (self.outer, *self.holes)
+
     def to_dict(self) -> dict[str, object]:
         """The domain in the form `from_dict` reads, knots always written out."""
         document: dict[str, object] = {} if self.name is None else {"name": self.name}

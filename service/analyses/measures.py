@@ -62,6 +62,7 @@ class WidthResult(Answer):
     necks: list[Thickness]
     walls: list[Wall]
     thin: Annotated[list[BoundaryInterval] | None, Field(description="null without a limit")]
+    thin_walls: Annotated[list[Wall] | None, Field(description="walls no thicker than the limit; null without one")]
     angle: FiniteFloat
     limit: FiniteFloat | None
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mat_core import MedialAxis
-from mat_core.analysis import PrunedAxis, inscribed_disc, prune
+from mat_core.analysis import PrunedAxis, inscribed_disc, nearest, prune
 from mat_core.errors import UnsupportedOption
 from tests.analysis.shapes import all_axes, of
 from tests.assertions import Answer
@@ -201,3 +201,33 @@ def test_bad_options_are_refused() -> None:
             prune(axis, **options)
     with pytest.raises(UnsupportedOption, match="nothing to prune by"):
         prune(axis)
+
+
+@pytest.mark.parametrize("name", ["rectangle", "annulus", "blob_holes", "mixed", "comb"])
+def test_samples_walk_along_the_runs(name: str) -> None:
+    axis = solved(name)
+    pruned = prune(axis, angle=1.8)
+    spacing = 0.01 * axis.domain.size
+    lines = pruned.sample(spacing)
+    assert len(lines) == len(pruned.runs)
+    for run, line in zip(pruned.runs, lines, strict=True):
+        steps = np.hypot(*np.diff(line[:, :2], axis=0).T)
+        assert steps.max() <= spacing * (1.0 + 1e-9)
+        kept = [pruned.segments[i] for i, _ in run]
+        length = sum(axis.segments[s.segment].arc_length(s.t0, s.t1) for s in kept)
+        assert steps.sum() == pytest.approx(length, rel=1e-3)
+        found = nearest(axis, line[:, :2])
+        assert found.distance.max() <= 1e-12 * axis.domain.size
+        assert np.abs(found.radii - line[:, 2]).max() <= 1e-7 * axis.domain.size
+
+
+def test_samples_of_a_point_are_its_disc() -> None:
+    axis = solved("circle")
+    (line,) = prune(axis, length=1.0).sample(0.1)
+    assert line.tolist() == axis.node_discs.tolist()
+
+
+@pytest.mark.parametrize("spacing", [0.0, -1.0, math.inf, math.nan])
+def test_spacings_that_are_none(spacing: float) -> None:
+    with pytest.raises(UnsupportedOption):
+        prune(solved("rectangle"), angle=1.0).sample(spacing)

@@ -144,3 +144,29 @@ def test_bad_options_are_refused() -> None:
     for options in ({"limit": -1.0}, {"limit": math.nan}, {"angle": 4.0}, {"angle": -0.1}):
         with pytest.raises(UnsupportedOption, match=next(iter(options))):
             width(solved("ell"), **options)
+
+
+@pytest.mark.parametrize("name", ["rectangle", "dumbbell", "blob_holes", "hole_grid", "annulus", "mixed", "comb"])
+def test_thin_walls_are_the_walls_up_to_the_limit(name: str) -> None:
+    axis = solved(name)
+    everything = width(axis)
+    assert everything.thin_walls is None
+    assert everything.minimum is not None
+    limit = 1.3 * everything.minimum.thickness
+    found = width(axis, limit)
+    assert found.thin_walls is not None
+    slack = 1e-12 * axis.domain.size
+    for thin in found.thin_walls:
+        assert thin.largest <= limit + slack
+        wall = next(w for w in found.walls if w.segment == thin.segment and w.t0 <= thin.t0 and thin.t1 <= w.t1)
+        diameters = 2.0 * axis.segments[thin.segment].evaluate(np.linspace(thin.t0, thin.t1, 33))[:, 2]
+        assert diameters.min() >= thin.least - slack
+        assert diameters.max() <= thin.largest + slack
+        for t, end in ((thin.t0, wall.t0), (thin.t1, wall.t1)):
+            assert t == end or 2.0 * axis.segments[thin.segment].evaluate(t)[2] == pytest.approx(limit, rel=1e-9)
+    # nothing is left out: what of the walls is thinner lies on one of them
+    for wall in found.walls:
+        t = np.linspace(wall.t0, wall.t1, 33)
+        thinner = t[2.0 * axis.segments[wall.segment].evaluate(t)[:, 2] < limit - slack]
+        own = [w for w in found.thin_walls if w.segment == wall.segment]
+        assert all(any(w.t0 <= v <= w.t1 for w in own) for v in thinner.tolist())

@@ -145,3 +145,12 @@ def without(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
         return real(name, *args, **kwargs)
 
     monkeypatch.setattr(builtins, "__import__", refuse)
+
+
+def test_paths_by_layer_keep_their_order() -> None:
+    axis = solved("ell")
+    first, second = ([[edge] for edge in axis.domain.outer[i : i + 2]] for i in (2, 0))
+    drawing = read(to_dxf(axis, {"deep": first, "shallow": second, "none": []}))
+    compare(on(drawing, "deep"), [c for path in first for c in path], axis.domain.size)
+    compare(on(drawing, "shallow"), [c for path in second for c in path], axis.domain.size)
+    assert [e.dxf.layer for e in drawing.modelspace()][-4:] == ["deep", "deep", "shallow", "shallow"]

@@ -28,10 +28,24 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
 
 
+def written() -> list[str]:
+    """Every document, pages included."""
+    return sorted({*DOCUMENTS, *(str(page.relative_to(ROOT)) for page in (ROOT / "docs").glob("*.md"))})
+
+
 def rows(text: str, header: str) -> list[list[str]]:
     """The cells of the table that begins with a header cell."""
     table = text[text.index(f"| {header} |") :].split("\n\n")[0]
     return [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in table.splitlines()[2:]]
+
+
+def test_every_link_to_a_heading_leads_to_one() -> None:
+    for name in written():
+        for target, heading in re.findall(r"\]\(([^)#:]*)#([^)]+)\)", (ROOT / name).read_text(encoding="utf-8")):
+            page = (ROOT / name).parent / target if target else ROOT / name
+            headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+            anchors = {re.sub(r"[^\w -]", "", text.lower()).replace(" ", "-") for text in headings}
+            assert heading in anchors, f"{name}: {target}#{heading}"
 
 
 def test_every_make_command_exists() -> None:
@@ -90,7 +104,7 @@ def test_the_settings_table_is_the_settings() -> None:
 
 
 def test_every_link_leads_somewhere() -> None:
-    for name in DOCUMENTS:
+    for name in written():
         for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / name).read_text(encoding="utf-8")):
             assert ((ROOT / name).parent / target).exists(), f"{name}: {target}"
 
@@ -110,9 +124,11 @@ def test_the_json_of_the_readme_is_json() -> None:
 def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "openapi").symlink_to(ROOT / "openapi")
     monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
     for block in blocks("python"):
-        exec(compile(block, "README.md", "exec"), {})
-    assert (tmp_path / "rectangle.svg").read_text().startswith("<svg")
+        exec(compile(block, "README.md", "exec"), names)
+    for picture in ("rectangle.svg", "offset.svg"):
+        assert (tmp_path / picture).read_text().startswith("<svg")
 
 
 def test_modules_and_packages_named_by_the_architecture_exist() -> None:
