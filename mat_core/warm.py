@@ -53,7 +53,7 @@ def warm(progress: Callable[[str, int, int], None] | None = None) -> None:
         if progress is not None:
             progress(STAGES[number], number + 1, len(STAGES))
 
-    # the compiler makes millions of small objects that live on: collecting in between costs a tenth of the time
+    # The compiler makes millions of small objects that live on: collecting in between costs a tenth of the time.
     collecting = gc.isenabled()
     gc.disable()
     try:
@@ -61,7 +61,6 @@ def warm(progress: Callable[[str, int, int], None] | None = None) -> None:
     finally:
         if collecting:
             gc.enable()
-            gc.collect()
 
 
 def _solve_example(tell: Callable[[int], None]) -> None:

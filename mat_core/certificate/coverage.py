@@ -183,7 +183,7 @@ def check_whole(t: SiteTable, skeleton: Discs, report: Report) -> None:
     Its distance from that circle is a sine of amplitude `away`, the distance of the centres: between three points in a turn of
     `sweep` it can rise by away (1 - cos(sweep / 4)). The centres themselves may differ more, where the arc is short.
     """
-    site, owner = skeleton.whole_i.T
+    site, owner = skeleton.whole_i.T.copy()  # rows of their own: kernels are compiled anew for strided arrays
     row = t.sf[site]
     disc = skeleton.disc[owner]
     begin, end = skeleton.whole_s.T

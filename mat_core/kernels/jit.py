@@ -1,8 +1,9 @@
 """The one place where a function becomes a compiled kernel.
 
-Compiled kernels are kept on disk. Numba's own index notices a change of the file a kernel stands in, but not of a file whose
-kernels it calls; so each module's cache lies in a folder named by a digest of its source and of all sources of ours that it
-imports, directly or not. A stale kernel is therefore never loaded, and a change recompiles what depends on it and nothing else.
+Compiled kernels are kept on disk (`mat_core.kernels.cache`). Each module's lie in a folder named by a digest of its source and of
+all sources of ours that it imports, directly or not. A stale kernel is therefore never loaded, and a change recompiles what
+depends on it and nothing else. Only kernels that Python calls are kept: those that kernels call are in them
+(`mat_core.kernels.libraries`).
 
 Strict IEEE arithmetic is kept (no ``fastmath``): sign tests near zero decide topology.
 """
@@ -13,17 +14,21 @@ import functools
 import hashlib
 import os
 import re
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import config
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.types.functions import BaseFunction
 from numba.core.types.misc import unliteral
+
+from mat_core.kernels.cache import KernelCache
+from mat_core.kernels.libraries import KernelCompiler
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -62,8 +67,8 @@ def sources(path: Path) -> frozenset[Path]:
 
 @functools.cache
 def fingerprint(path: Path) -> str:
-    """Digest of the `sources` of a file and of the compiler's version."""
-    digest = hashlib.sha256(numba.__version__.encode())
+    """Digest of the `sources` of a file, of the compiler's version and the interpreter's."""
+    digest = hashlib.sha256(f"{numba.__version__} {sys.implementation.cache_tag}".encode())
     for file in sorted(sources(path)):
         digest.update(_imports(file)[0].encode())
     return digest.hexdigest()[:16]
@@ -85,28 +90,34 @@ def cache_root() -> Path:
     return Path(tempfile.gettempdir()) / "mat_core-kernels"
 
 
+@functools.cache
+def cache_folder(path: Path) -> Path:
+    """Where the compiled kernels of a source file are kept."""
+    return cache_root() / fingerprint(path.resolve())
+
+
 def jit(function: F) -> F:
     """Compile `function` without the interpreter, cached on disk; its Python signature is kept for the type checker."""
     return _compiled(function, True)
 
 
 def inner(function: F) -> F:
-    """The same for a kernel that only kernels call: without an entry for Python, which costs a tenth of the time to compile."""
+    """The same for a kernel that only kernels call: no entry for Python, no machine code and no file of its own."""
     return _compiled(function, False)
 
 
 def _compiled(function: F, entry: bool) -> F:
-    configured = config.CACHE_DIR
-    config.CACHE_DIR = str(cache_root() / fingerprint(Path(function.__code__.co_filename).resolve()))
-    try:
-        compiled: F = numba.njit(cache=True, error_model="numpy", nogil=True, _nrt=False, no_cpython_wrapper=not entry,
-                                 no_cfunc_wrapper=True)(function)
-    finally:
-        config.CACHE_DIR = configured
+    compiled: Any = numba.njit(
+        error_model="numpy", nogil=True, _nrt=False, no_cpython_wrapper=not entry, no_cfunc_wrapper=True,
+        pipeline_class=KernelCompiler,
+    )(function)  # fmt: skip
     if not config.DISABLE_JIT:
+        if entry:
+            file = Path(function.__code__.co_filename)
+            compiled._cache = KernelCache(functools.partial(cache_folder, file), f"{file.stem}.{function.__qualname__}")
         _forget_literals(compiled)
         _remember_operators(compiled)
-    return compiled
+    return cast(F, compiled)
 
 
 def _forget_literals(compiled: Any) -> None:

@@ -1,0 +1,142 @@
+"""How kernels become machine code: once for each that Python calls, with all that it calls in it.
+
+Numba makes machine code of every function and copies into it that of all functions it calls, so what is called from many places
+is optimised and translated again for each. Here a kernel that only kernels call stays as LLVM's intermediate code; the ones that
+Python calls take in what they reach, and only these are optimised as a whole and translated. That is half of a first start, and
+of the size of what is kept on disk.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import llvmlite.binding as llvm
+from numba.core.codegen import CodeLibrary, JITCodeLibrary
+from numba.core.compiler import CompilerBase
+from numba.core.compiler_machinery import PassManager
+from numba.core.typed_passes import IRLegalization, NativeLowering, NoPythonBackend, NopythonTypeInference, PreLowerStripPhis
+from numba.core.untyped_passes import (
+    DeadBranchPrune,
+    FixupArgs,
+    GenericRewrites,
+    IRProcessing,
+    ReconstructSSA,
+    RewriteSemanticConstants,
+    TranslateByteCode,
+)
+
+PASSES = (
+    TranslateByteCode,
+    FixupArgs,
+    IRProcessing,
+    RewriteSemanticConstants,
+    DeadBranchPrune,
+    GenericRewrites,
+    ReconstructSSA,
+    NopythonTypeInference,
+    PreLowerStripPhis,
+    IRLegalization,
+    NativeLowering,
+    NoPythonBackend,
+)
+
+
+class InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """A kernel that only kernels call: intermediate code without an address."""
+
+    def finalize(self) -> None:
+        """Nothing to translate; what it calls is taken in by the library that takes in this one."""
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """No address: Python cannot call it."""
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        """Where Numba would note the function's environment, which only code with an address has."""
+        return _Nowhere
+
+
+class _Nowhere:
+    """Takes the environment of a function without an address."""
+
+    @staticmethod
+    def set_env(env_name: str, env: object) -> None:
+        """Kernels never raise, and nothing else would look for it."""
+
+
+class EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """A kernel that Python calls, with everything it reaches."""
+
+    _bitcode: bytes | None = None
+    _shared_module: Any
+
+    def finalize(self) -> None:
+        """Take in all inner kernels it reaches, optimise the whole and translate it."""
+        self._linking_libraries = reached(self)
+        super().finalize()
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Address of a function in it, by its mangled name."""
+        self._ensure_finalized()
+        address: int = self._codegen._engine.get_function_address(name)
+        return address
+
+    def state(self) -> tuple[str, bytes, bytes]:
+        """What `restored` makes it from: name, machine code, intermediate code."""
+        return self.name, self._get_compiled_object(), self._get_module_for_linking().as_bitcode()
+
+    @classmethod
+    def restored(cls, codegen: Any, state: tuple[str, bytes, bytes]) -> EntryLibrary:
+        """A library from its machine code, without compiling anything."""
+        name, machine_code, bitcode = state
+        library = cls(codegen, name)
+        library.enable_object_caching()
+        library._set_compiled_object(machine_code)
+        library._bitcode = bitcode
+        library._finalize_final_module()
+        return library
+
+    def _get_module_for_linking(self) -> Any:
+        """Its intermediate code, read only when another kernel that calls it is compiled."""
+        if self._shared_module is None and self._bitcode is not None:
+            self._shared_module = llvm.parse_bitcode(self._bitcode)
+        return super()._get_module_for_linking()
+
+
+def reached(library: CodeLibrary) -> list[CodeLibrary]:
+    """What a library calls, and what inner libraries among these call: callers before what they call.
+
+    The order matters: the linker takes a function in only if something that is there already calls it.
+    """
+    seen: set[CodeLibrary] = set()
+    order: list[CodeLibrary] = []
+
+    def visit(caller: CodeLibrary) -> None:
+        for callee in caller._linking_libraries:
+            if callee not in seen:
+                seen.add(callee)
+                if isinstance(callee, InnerLibrary):
+                    visit(callee)
+                order.append(callee)
+
+    visit(library)
+    return order[::-1]
+
+
+class KernelCompiler(CompilerBase):  # type: ignore[misc]
+    """Numba's compiler with these libraries."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        """Numba's own passes."""
+        state = self.state
+        kind = InnerLibrary if state.flags.no_cpython_wrapper else EntryLibrary
+        state.library = kind(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        state.type_annotation = None
+        passes = PassManager("kernel")
+        for step in PASSES:
+            passes.add_pass(step)
+        passes.finalize()
+        return [passes]
