@@ -49,3 +49,11 @@ def test_lengths_add_up_and_are_inverted(name: str) -> None:
         assert s.parameter_at(-1.0) == 0.0
         assert s.parameter_at(2.0 * total) == pytest.approx(1.0, abs=1e-14)
         assert s.parameter_at(np.full((2, 3), 0.5 * total)).shape == (2, 3)
+
+
+@pytest.mark.parametrize("name", ["rectangle", "annulus", "blob_holes", "mixed"])
+def test_the_curve_by_itself_is_the_curve_of_centres(name: str) -> None:
+    axis = solved(name)
+    t = np.linspace(0.0, 1.0, 33)
+    for segment in axis.segments:
+        assert np.abs(segment.curve.evaluate(t) - segment.evaluate(t)[:, :2]).max() <= 1e-13 * axis.domain.size
