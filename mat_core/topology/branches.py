@@ -86,6 +86,17 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
             bracket_f[top, 0] = lo
             bracket_f[top, 1] = s
             continue
+        # nor is the right one a partner if the arc after it, seen from it, is reached first: rounding changed their order
+        after = right - 1
+        if after > 0 and top > 0 and seen_from(si, sf, cp, w_i, w_f, right, sr, after, phi, tie) > 1.0 + CLEARLY:
+            if bracket_i[top - 1, 1] == after:
+                top -= 1
+                bracket_i[top, 0] = left
+                bracket_f[top, 0] = lo
+            else:
+                bracket_i[top, 1] = after
+                bracket_i[top - 1, 0] = after
+            continue
         top -= 1
         d = n_discs + nodes
         if d >= disc.shape[0] or n_contacts + left - right + 2 > contacts_i.shape[0]:
