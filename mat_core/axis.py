@@ -73,6 +73,20 @@ class CurveTable(NamedTuple):
         return self.part_f[:, :2]
 
 
+class NodeFeet(NamedTuple):
+    """Footpoints of the nodes' discs as flat arrays; node n has those from start[n] to start[n + 1] - 1.
+
+    start (N + 1,); site (F,); points (F, 2) in the caller's coordinates; u (F,) on the input's edge; angle (F,): direction of the
+    normal, told on a normal fan only.
+    """
+
+    start: Ints
+    site: Ints
+    points: Floats
+    u: Floats
+    angle: Floats
+
+
 @dataclass(frozen=True, slots=True)
 class Footpoint:
     """Where a maximal disc touches the boundary.
@@ -219,22 +233,29 @@ class MedialAxis:
     @cached_property
     def nodes(self) -> tuple[Node, ...]:
         """All nodes by id."""
-        k = self.skeleton
-        discs = self.node_discs
-        start = k.contact_start
-        wanted = self.runs.node_disc
-        counts = start[wanted + 1] - start[wanted]
-        ends = np.cumsum(counts)
-        rows = np.repeat(start[wanted] - (ends - counts), counts) + np.arange(int(counts.sum()))
-        sites = k.contact_site[rows]
-        found = self._feet(sites, k.contact_s[rows])
-        points = self.to_input(found[:, :2])
+        feet = self.node_feet
+        start = feet.start.tolist()
         out = []
-        for n, (disc, kind) in enumerate(zip(discs.tolist(), self.runs.node_kind.tolist(), strict=True)):
-            contacts = range(int(ends[n] - counts[n]), int(ends[n]))
-            footpoints = tuple(self.footpoint(int(sites[c]), found[c, 2], points[c], found[c, 3]) for c in contacts)
+        for n, (disc, kind) in enumerate(zip(self.node_discs.tolist(), self.runs.node_kind.tolist(), strict=True)):
+            footpoints = tuple(
+                self.footpoint(int(feet.site[c]), feet.u[c], feet.points[c], feet.angle[c])
+                for c in range(start[n], start[n + 1])
+            )
             out.append(Node(n, NODE_KINDS[kind], (disc[0], disc[1]), disc[2], footpoints))
         return tuple(out)
+
+    @cached_property
+    def node_feet(self) -> NodeFeet:
+        """The footpoints of all nodes' discs."""
+        k = self.skeleton
+        wanted = self.runs.node_disc
+        first = k.contact_start[wanted]
+        counts = k.contact_start[wanted + 1] - first
+        start = np.concatenate((np.zeros(1, dtype=np.int64), np.cumsum(counts)))
+        rows = np.repeat(first - start[:-1], counts) + np.arange(start[-1])
+        site = k.contact_site[rows]
+        found = self._feet(site, k.contact_s[rows])
+        return NodeFeet(start, site, self.to_input(found[:, :2]), found[:, 2], found[:, 3])
 
     @cached_property
     def segments(self) -> tuple[Segment, ...]:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,8 @@ from mat_core.kernels.judge import JUDGE_ROWS, JUDGE_STACK, depths
 from mat_core.kernels.judge_boxes import judge_boxes
 from mat_core.kernels.layout import DEG, XMAX, XMIN, YMAX, YMIN
 from mat_core.model.domain import Domain
+
+BLOCK = 1 << 15  # strips or pieces checked at a time: some 15 MB, where all at once would double what a large domain needs
 
 
 def certify(
@@ -79,22 +82,20 @@ def certify(
     degree, wholes = check_segments(skeleton, graph, report)
     check_kinds(table, skeleton, graph, degree, wholes, report)
 
-    disc = skeleton.disc
-    found = find_anew(table, skeleton)
-    probes = [disc, found.disc]
-    sampled = None
-    if check_shape(curves, graph, report):
-        sampled = sample(curves)
-        probes.append(sampled.disc)
-    depth = _depths(table, np.concatenate(probes))
+    follows = check_shape(curves, graph, report)
     slack = check_touching(table, skeleton, owned, turn, report)
+    del owned, turn  # of the size of the boundary, like all that the blocks below do without
     strip_slack = slack[skeleton.strip_i[:, 2:]].max(axis=1)
-    check_discs(disc, depth[: len(disc)], slack, report)
-    inside = len(disc) + len(found.disc)
-    check_partners(table, found, depth[len(disc) : inside], strip_slack, report)
-    if sampled is not None:
+    depths_of = depth_finder(table)
+    check_discs(skeleton.disc, depths_of(skeleton.disc), slack, report)
+    for block in _blocks(len(skeleton.strip_i)):
+        found = find_anew(table, skeleton, block)
+        check_partners(table, found, depths_of(found.disc), strip_slack, report)
+    if follows:
         check_ends(skeleton, graph, curves, report)
-        check_curves(table, skeleton, curves, sampled, depth[inside:], strip_slack, report)
+        for block in _blocks(len(curves.part_i)):
+            sampled = sample(curves, block)
+            check_curves(table, skeleton, curves, sampled, depths_of(sampled.disc), strip_slack, report)
     size = domain.size * table.scale if domain is not None else _larger_side(table)
     return report.to_dict(float(size), table.origin, table.scale, tolerance)
 
@@ -111,21 +112,21 @@ def _larger_side(table: SiteTable) -> float:
     return float((table.sf[:, [XMAX, YMAX]].max(axis=0) - low).max())
 
 
-def _depths(table: SiteTable, probe: Floats) -> Floats:
-    """How deep the boundary reaches into each disc of `probe` (n, 3)."""
+def _blocks(n: int) -> list[slice]:
+    """0 .. n - 1 in parts that are checked one after the other; at least one."""
+    return [slice(begin, min(begin + BLOCK, n)) for begin in range(0, max(n, 1), BLOCK)]
+
+
+def depth_finder(table: SiteTable) -> Callable[[Floats], Floats]:
+    """A function that tells how deep the boundary reaches into each of many discs (n, 3)."""
     order, box = judge_boxes(table.si, table.sf, table.cp)
     width = 2 * int(table.si[:, DEG].max()) + 1
-    depth = np.empty(len(probe))
-    depths(
-        table.si,
-        table.sf,
-        table.cp,
-        order,
-        box,
-        np.empty(JUDGE_STACK, dtype=np.int64),
-        np.empty((JUDGE_ROWS, width + 2)),
-        _binomials(width),
-        probe,
-        depth,
-    )
-    return depth
+    stack = np.empty(JUDGE_STACK, dtype=np.int64)
+    work = np.empty((JUDGE_ROWS, width + 2))
+
+    def depths_of(probe: Floats) -> Floats:
+        depth = np.empty(len(probe))
+        depths(table.si, table.sf, table.cp, order, box, stack, work, _binomials(width), probe, depth)
+        return depth
+
+    return depths_of

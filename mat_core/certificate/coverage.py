@@ -74,8 +74,8 @@ def list_owned(skeleton: Discs) -> Owned:
     for group in np.split(again, np.flatnonzero(np.diff(again) > 1) + 1) if len(again) else ():
         members = order[group[0] : group[-1] + 2]
         order[group[0] : group[-1] + 2] = _chained(members, rows[members, 1].tolist(), rows[members, 2].tolist())
-    site, disc_lo, disc_hi = rows[order].T
-    lo, hi = ends[order].T
+    site, disc_lo, disc_hi = rows[order].T.copy()
+    lo, hi = ends[order].T.copy()
     return Owned(site, lo, hi, disc_lo, disc_hi)
 
 

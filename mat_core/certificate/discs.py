@@ -87,22 +87,24 @@ def check_touching(t: SiteTable, skeleton: Discs, owned: Owned, turn: Floats, re
     """Discs touch at contacts and at both ends of owned intervals; returns what is granted to each one's emptiness."""
     disc = skeleton.disc
     owner = np.repeat(np.arange(len(disc)), np.diff(skeleton.contact_start))
-    site = np.concatenate((skeleton.contact_site, owned.site, owned.site))
-    s = np.concatenate((skeleton.contact_s, owned.lo, owned.hi))
-    which = np.concatenate((owner, owned.disc_lo, owned.disc_hi))
-    frame = np.empty((len(site), 4))
-    frames_at(t.si, t.sf, t.cp, site, s, frame)
-    off = np.empty(len(site))
-    missed(t.si, t.sf, site, s, frame, which, disc, off)
-    report.worst("discs_touching", off, disc[which])
     angle = np.zeros(len(disc))
-    np.maximum.at(angle, which, np.maximum(turn[site], turn[t.si[site, NEXT]]))
+    for site, s, which in (
+        (skeleton.contact_site, skeleton.contact_s, owner),
+        (owned.site, owned.lo, owned.disc_lo),
+        (owned.site, owned.hi, owned.disc_hi),
+    ):
+        frame = np.empty((len(site), 4))
+        frames_at(t.si, t.sf, t.cp, site, s, frame)
+        off = np.empty(len(site))
+        missed(t.si, t.sf, site, s, frame, which, disc, off)
+        report.worst("discs_touching", off, disc[which])
+        np.maximum.at(angle, which, np.maximum(turn[site], turn[t.si[site, NEXT]]))
     return disc[:, 2] * angle * angle
 
 
-def find_anew(t: SiteTable, skeleton: Discs) -> Found:
-    """One disc from either side of every strip that has an inside, as far as the side has a length."""
-    disc, strip_i, strip_s = skeleton.disc, skeleton.strip_i, skeleton.strip_s
+def find_anew(t: SiteTable, skeleton: Discs, strips: slice) -> Found:
+    """One disc from either side of every strip, among some, that has an inside, as far as the side has a length."""
+    disc, strip_i, strip_s = skeleton.disc, skeleton.strip_i[strips], skeleton.strip_s[strips]
     d0 = disc[strip_i[:, 2]]
     d1 = disc[strip_i[:, 3]]
     far = np.abs(d1 - d0).max(axis=1) > SAME_DISC
@@ -132,7 +134,7 @@ def find_anew(t: SiteTable, skeleton: Discs) -> Found:
     balls(t.si, t.sf, t.cp, site, s, frame, other, interval, found, other_s, partner)
     lost = ~(found[:, 2] < np.inf)
     found[lost, :2] = frame[lost, :2]
-    return Found(right, rows, found, other, other_s, partner)
+    return Found(right, strips.start + rows, found, other, other_s, partner)
 
 
 def check_discs(disc: Floats, depth: Floats, slack: Floats, report: Report) -> None:

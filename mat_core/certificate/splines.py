@@ -130,13 +130,15 @@ def check_ends(skeleton: Discs, graph: Network, curves: Curves, report: Report) 
     report.worst("curves_ends", np.sqrt((off * off).sum(axis=1)) - c.max_error[of], disc[which])
 
 
-def sample(curves: Curves) -> Sampled:
-    """Discs of the curves inside every piece."""
+def sample(curves: Curves, pieces: slice) -> Sampled:
+    """Discs of the curves inside some of the pieces."""
     c = curves
     n = len(SAMPLES)
-    t = c.part_f[:, :1] + SAMPLES * (c.part_f[:, 1:2] - c.part_f[:, :1])
-    segment = np.repeat(np.repeat(np.arange(len(c.degree)), np.diff(c.part_start)), n)
-    return Sampled(_values(c, segment, t.ravel()), segment, np.repeat(c.part_i[:, 1], n))
+    f = c.part_f[pieces]
+    t = f[:, :1] + SAMPLES * (f[:, 1:2] - f[:, :1])
+    of_pieces = np.searchsorted(c.part_start, np.arange(pieces.start, pieces.stop), side="right") - 1
+    segment = np.repeat(of_pieces, n)
+    return Sampled(_values(c, segment, t.ravel()), segment, np.repeat(c.part_i[pieces, 1], n))
 
 
 def check_curves(

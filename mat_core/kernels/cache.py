@@ -48,15 +48,12 @@ class KernelCache:
             content = self._file(signature, context.codegen()).read_bytes()
         except OSError:
             return None
-        state, fndesc, environment, signature, referenced = pickle.loads(content)
+        state, fndesc, environment, signature = pickle.loads(content)
         library = EntryLibrary.restored(context.codegen(), state)
         entry = context.get_executable(library, fndesc, environment)
-        for other in referenced:
-            library.codegen.set_env(other.env_name, other)
         return compile_result(
             typing_context=context.typing_context, target_context=context, library=library, environment=environment,
             entry_point=entry, fndesc=fndesc, signature=signature, objectmode=False, lifted=(), reload_init=(),
-            referenced_envs=referenced,
         )  # fmt: skip
 
     def save_overload(self, signature: Any, compiled: CompileResult) -> None:
@@ -65,8 +62,7 @@ class KernelCache:
             return  # it holds addresses of this process
         descriptor = compiled.fndesc
         descriptor.typemap = descriptor.calltypes = None  # large, and of use to the compiler alone
-        environments = tuple(compiled._find_referenced_environments())
-        content = dumps((compiled.library.state(), descriptor, compiled.environment, compiled.signature, environments))
+        content = dumps((compiled.library.state(), descriptor, compiled.environment, compiled.signature))
         with suppress(OSError):
             _write(self._file(signature, compiled.codegen), content)
 

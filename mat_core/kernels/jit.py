@@ -36,10 +36,12 @@ PACKAGE = Path(__file__).resolve().parent.parent
 _IMPORT = re.compile(r"^import (mat_core[\w.]*)|^from (mat_core[\w.]*) import (?:\(([^)]*)\)|(.*))", re.MULTILINE)
 
 
-def _module_file(name: str) -> Path:
-    """Source file of one of our modules."""
+@functools.cache
+def _module_file(name: str) -> Path | None:
+    """Source file of one of our modules; None for what a module has in it."""
     path = PACKAGE.parent.joinpath(*name.split("."))
-    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    return file if file.exists() else None
 
 
 @functools.cache
@@ -50,7 +52,7 @@ def _imports(path: Path) -> tuple[str, frozenset[Path]]:
     for module, package, *members in _IMPORT.findall(source.decode()):
         names.add(module or package)
         names.update(f"{package}.{member.split()[0]}" for member in "".join(members).split(",") if member.strip())
-    return hashlib.sha256(source).hexdigest(), frozenset(file for file in map(_module_file, names) if file.exists())
+    return hashlib.sha256(source).hexdigest(), frozenset(filter(None, map(_module_file, names)))
 
 
 @functools.cache

@@ -69,6 +69,12 @@ def read(obj: object, limit: int = CONTROL_POINT_LIMIT) -> Draft:
     options = {}
     if isinstance(obj, Mapping) and obj.get("options") is not None:
         options = read_options(obj["options"], problems)
+    if not problems:
+        arrays = _gather(loops)
+        if arrays is not None and len(arrays.cp) <= limit:
+            starts = arrays.loop_start
+            edge_of = np.arange(len(arrays.degree)) - np.repeat(starts[:-1], np.diff(starts))
+            return Draft(arrays, edge_of, np.ones(len(loops), dtype=np.int64), options)
     total = sum(_count_points(edge) for loop in loops for edge in loop)
     if total > limit:
         text = (
@@ -76,12 +82,6 @@ def read(obj: object, limit: int = CONTROL_POINT_LIMIT) -> Draft:
         )
         problems.append(Problem("too-complex", "", text))
         loops = []
-    if not problems:
-        arrays = _gather(loops)
-        if arrays is not None:
-            starts = arrays.loop_start
-            edge_of = np.arange(len(arrays.degree)) - np.repeat(starts[:-1], np.diff(starts))
-            return Draft(arrays, edge_of, np.ones(len(loops), dtype=np.int64), options)
     kept: list[list[Edge]] = []
     edge_ids: list[int] = []
     whole: list[int] = []

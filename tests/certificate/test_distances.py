@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mat_core.certificate.certify import _depths
+from mat_core.certificate.certify import depth_finder
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.judge import balls, distances, foot
 from mat_core.kernels.layout import FAN, KIND
@@ -39,7 +39,7 @@ def test_depths_and_feet_agree_with_dense_sampling(name: str) -> None:
         # the true distance is at most that of the samples, and nearly it
         for factor in (0.9, 1.0, 1.3):
             r = factor * nearest
-            depth = float(_depths(table, np.array([[x, y, r]]))[0])
+            depth = float(depth_finder(table)(np.array([[x, y, r]]))[0])
             assert depth >= max(0.0, r - nearest) - 1e-15
             assert depth <= max(0.0, r - nearest + 0.5 * spacing * spacing / max(nearest, spacing) + 1e-7)
         for site in np.unique(points[:, 2]).astype(int)[:6]:
@@ -56,7 +56,7 @@ def test_depths_and_feet_agree_with_dense_sampling(name: str) -> None:
 def test_disc_of_no_size_and_of_no_end() -> None:
     table = accused("letter").table
     probe = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 0.0, np.inf], [0.0, 0.0, np.nan]])
-    assert _depths(table, probe).tolist() == [0.0, 0.0, np.inf, 0.0]
+    assert depth_finder(table)(probe).tolist() == [0.0, 0.0, np.inf, 0.0]
 
 
 def test_ball_between_two_lines() -> None:

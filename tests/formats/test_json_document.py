@@ -26,6 +26,68 @@ def test_json_and_dict_are_one(name: str, samples: bool, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("name", SHAPES)
+def test_the_document_tells_what_the_views_tell(name: str) -> None:
+    axis = solved(name)
+    content = axis.to_dict()
+    assert content["segments"] == [
+        {
+            "id": s.id,
+            "start_node": s.start_node,
+            "end_node": s.end_node,
+            "kind": s.kind,
+            "axis": {
+                "degree": s.degree,
+                "knots": s.knots.tolist(),
+                "control_points": s.control_points.tolist(),
+                "weights": s.weights.tolist(),
+            },
+            "radius": {
+                "degree": s.degree,
+                "knots": s.knots.tolist(),
+                "control_values": s.control_values.tolist(),
+                "weights": s.weights.tolist(),
+            },
+            "pieces": [{"t": [t0, t1], "kind": kind} for t0, t1, kind in s.pieces],
+            "max_error": s.max_error,
+        }
+        for s in axis.segments
+    ]
+    assert content["graph"] == {
+        "nodes": [
+            {
+                "id": n.id,
+                "kind": n.kind,
+                "point": list(n.point),
+                "radius": n.radius,
+                "footpoints": [f.to_dict() for f in n.footpoints],
+            }
+            for n in axis.nodes
+        ],
+        "edges": [{"segment": s, "source": a, "target": b} for s, a, b in axis.graph.edges],
+        "topological_order": list(axis.graph.topological_order),
+        "components": axis.graph.components,
+        "cycles": axis.graph.cycles,
+    }
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_sampled_points_and_footpoints_are_those_of_the_axis(name: str) -> None:
+    axis = solved(name)
+    for s, entry in zip(axis.segments, axis.to_dict(samples=True)["segments"], strict=True):
+        told = entry["samples"]
+        found = s.samples(told["t"])
+        assert told["points"] == found.points.tolist()
+        assert told["radii"] == found.radii.tolist()
+        assert [f["u"] for f in told["left"]] == found.left_u.tolist()
+        assert [f["u"] for f in told["right"]] == found.right_u.tolist()
+        for t, left, right in zip(told["t"], told["left"], told["right"], strict=True):
+            for footpoint, member in zip(s.footpoints(t), (left, right), strict=True):
+                shown = footpoint.to_dict()
+                del shown["point"]
+                assert shown == member
+
+
+@pytest.mark.parametrize("name", SHAPES)
 def test_names_of_the_contract(name: str) -> None:
     content = solved(name).to_dict(samples=True)
     assert set(content) == {"segments", "graph", "certificate", "domain", "version"}

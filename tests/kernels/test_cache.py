@@ -107,3 +107,30 @@ def test_a_fingerprint_covers_every_file_that_a_kernel_takes_anything_from() -> 
             kernels += 1
             assert Path(sys.modules[str(home)].__file__ or "") in covered, f"{module.__name__} uses {function.__name__}"
     assert kernels > 50
+
+
+def test_only_kernels_that_python_calls_are_kept(tmp_path: Path) -> None:
+    copy = Copy(tmp_path)
+    copy.write("trial_constant.py", CONSTANT.format(2.0))
+    callee = (
+        CALLEE.format("from mat_core.trial_constant import SCALE").replace("jit", "inner").replace("kernels.inner", "kernels.jit")
+    )
+    copy.write("kernels/trial_callee.py", callee)
+    copy.write("topology/trial_caller.py", CALLER.format("from mat_core.kernels.trial_callee import scaled", ""))
+    assert copy.ask() == (7.0, 0)
+    assert copy.ask() == (7.0, 1)
+    (kept,) = copy.folder.rglob("*.kernel")
+    assert kept.name.startswith("trial_caller.solve-")
+    copy.write("kernels/trial_callee.py", callee.replace("SCALE * x", "SCALE * x * x"))
+    assert copy.ask() == (19.0, 0)
+
+
+def test_a_kernel_is_compiled_where_nothing_can_be_kept(tmp_path: Path) -> None:
+    copy = Copy(tmp_path)
+    copy.write("trial_constant.py", CONSTANT.format(2.0))
+    copy.write("kernels/trial_callee.py", CALLEE.format("from mat_core.trial_constant import SCALE"))
+    copy.write("topology/trial_caller.py", CALLER.format("from mat_core.kernels.trial_callee import scaled", ""))
+    (copy.package / "__pycache__").mkdir()
+    (copy.package / "__pycache__" / "kernels").write_text("a file where the folder would be")
+    assert copy.ask() == (7.0, 0)
+    assert copy.ask() == (7.0, 0)
