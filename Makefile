@@ -5,10 +5,10 @@ PORT ?= 8000
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help run test hunt lint types imports openapi lock bench clean dev
+.PHONY: help run test hunt lint types imports openapi lock bench bench-peers clean dev
 
 help: ## what can be made
-	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 18
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 18
 
 run: ## serve on 127.0.0.1:$(PORT), solve the example, write its picture
 	@$(PYTHON) tools/environment.py requirements.lock
@@ -38,6 +38,9 @@ openapi: dev ## write openapi/openapi.json anew
 
 bench: dev ## the benchmarks
 	@$(BIN)/python -m benchmarks
+
+bench-peers: dev ## side by side with other programs (installed under .bench), writes docs/performance.md
+	@$(BIN)/python -m benchmarks.peers $(ARGS)
 
 lock: dev ## resolve the dependencies anew (needs uv)
 	@$(BIN)/python tools/lock.py
