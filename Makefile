@@ -8,7 +8,7 @@ BIN := .venv/bin
 .PHONY: help run test hunt lint types imports openapi lock bench bench-peers clean dev
 
 help: ## what can be made
-	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 18
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 20
 
 run: ## serve on 127.0.0.1:$(PORT), solve the example, write its picture
 	@$(PYTHON) tools/environment.py requirements.lock

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.shapes import LARGE
-from benchmarks.stages import Stages, edges, run
+from benchmarks.stages import RUNGS, Stages, edges, run
 from mat_core import MatError
 
 SIZES = (1_000, 3_000, 10_000, 30_000, 100_000)
@@ -29,14 +29,18 @@ class Family(NamedTuple):
 
     def exponent(self, stage: str = "medial_axis") -> float:
         """Of the least squares line through (log edges, log time)."""
-        spent = [f.get(stage, 0.0) for f in self.figures]
+        spent = [f[stage] for f in self.figures]
         if len(spent) < 2 or min(spent) <= 0.0:
             return float("nan")
         return float(np.polyfit(np.log(self.sizes), np.log(spent), 1)[0])
 
     def stages(self) -> list[str]:
-        """All that were met, in the order of the pipeline."""
-        return list(dict.fromkeys(name for f in self.figures for name in f))
+        """In the order of the pipeline, the ends of the whole last."""
+        return [name for name in self.figures[-1] if name not in ("medial_axis", RUNGS)]
+
+    def rungs(self) -> list[float]:
+        """Settings of the tolerances that were tried, at each size."""
+        return [f[RUNGS] for f in self.figures]
 
 
 def grow(name: str, stages: Stages) -> Family:
@@ -59,10 +63,10 @@ def table(family: Family, least_share: float = 0.03) -> list[str]:
     """Rows of a Markdown table: milliseconds of each stage by size, and its exponent; small stages are left out."""
     last = family.figures[-1]
     rows = []
-    for stage in ("medial_axis", *(s for s in family.stages() if s != "medial_axis")):
-        if last.get(stage, 0.0) < least_share * last["medial_axis"]:
+    for stage in ("medial_axis", *family.stages()):
+        if last[stage] < least_share * last["medial_axis"]:
             continue
-        cells = [f"{f.get(stage, 0.0):.3g}" if f.get(stage, 0.0) < 1000 else f"{f[stage]:.0f}" for f in family.figures]
+        cells = [f"{f[stage]:,.0f}" if f[stage] >= 100 else f"{f[stage]:.3g}" for f in family.figures]
         cells += [""] * (len(SIZES) - len(cells))
         bold = "**" if stage == "medial_axis" else ""
         rows.append(f"| {family.name} | {bold}{stage}{bold} | {' | '.join(cells)} | {bold}{family.exponent(stage):.2f}{bold} |")

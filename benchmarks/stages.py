@@ -15,6 +15,7 @@ from mat_core import Domain, medial_axis, pipeline
 Json = dict[str, Any]
 
 ENDS = ("from_dict", "medial_axis", "to_dict", "to_json")  # of the whole; everything else is a stage
+RUNGS = "rungs"  # settings of the tolerances that were tried, not a time
 
 
 class Stages:
@@ -22,6 +23,7 @@ class Stages:
 
     def __init__(self) -> None:
         self.spent: dict[str, float] = {}
+        self.calls: dict[str, int] = {}
         self.depth = 0
         for name, value in list(vars(pipeline).items()):
             own = getattr(value, "__module__", "") or ""
@@ -37,6 +39,7 @@ class Stages:
             finally:
                 self.depth -= 1
                 if self.depth == 0:
+                    self.calls[name] = self.calls.get(name, 0) + 1
                     self.spent[name] = self.spent.get(name, 0.0) + time.process_time() - begun
 
         return wrapped
@@ -54,15 +57,16 @@ def spans(domain: Json) -> int:
 def run(domain: Json, stages: Stages, repeat: int = MOST_RUNS, tolerance: float = 1e-6) -> dict[str, float]:
     """Median milliseconds of every stage of one domain, and of the ends of the whole.
 
-    The first run warms; it counts only where it alone takes up the BUDGET.
+    The first run warms; it counts only where it alone takes up the time (twice the BUDGET, for all ends together).
     """
     rows: list[dict[str, float]] = []
+    rungs = 0
     sent = {"outer": domain["outer"], "holes": domain["holes"]}
-    while len(rows) <= repeat and sum(row["medial_axis"] for row in rows) < BUDGET:
+    while len(rows) <= repeat and sum(row[end] for row in rows for end in ENDS) < 2.0 * BUDGET:
         clock = [time.process_time()]
         parsed = Domain.from_dict(sent)
         clock.append(time.process_time())
-        stages.spent = {}
+        stages.spent, stages.calls = {}, {}
         axis = medial_axis(parsed, tolerance=tolerance)
         clock.append(time.process_time())
         inside = stages.spent
@@ -71,11 +75,13 @@ def run(domain: Json, stages: Stages, repeat: int = MOST_RUNS, tolerance: float 
         axis.to_json()
         clock.append(time.process_time())
         ends = dict(zip(ENDS, (b - a for a, b in pairwise(clock)), strict=True))
-        rows.append({**inside, **ends, "rest": ends["medial_axis"] - sum(inside.values())})
+        rows.append({**inside, "rest": ends["medial_axis"] - sum(inside.values()), **ends})
+        rungs = max(stages.calls.values())
     counted = rows[1:] or rows
-    return {k: 1e3 * statistics.median(r.get(k, 0.0) for r in counted) for k in dict.fromkeys(k for r in counted for k in r)}
+    figures = {k: 1e3 * statistics.median(r[k] for r in counted) for k in rows[-1]}
+    return {**figures, RUNGS: rungs}
 
 
 def stages_of(figures: dict[str, float]) -> dict[str, float]:
     """The stages alone, in their order, what is left over last."""
-    return {k: v for k, v in figures.items() if k not in ENDS}
+    return {k: v for k, v in figures.items() if k not in ENDS and k != RUNGS}

@@ -118,7 +118,7 @@ static void parabola(const Boundary& b, const Edge& e, int pieces, FILE* out) {
 static void write(const Boundary& b, const std::vector<const Edge*>& kept, const char* path) {
     FILE* out = std::fopen(path, "wb");
     if (!out) { std::perror(path); std::exit(2); }
-    const int pieces = kept.size() < 20000 ? 32 : 4;
+    const int pieces = kept.size() < 1000 ? 512 : kept.size() < 20000 ? 32 : 4;  // of a parabola: the fewer, the longer they are
     for (const Edge* e : kept) {
         const bool bent = e->is_curved() && e->cell()->contains_point() != e->twin()->cell()->contains_point();
         const double count = bent ? pieces + 1 : 2;

@@ -77,7 +77,7 @@ def boost(name: str) -> Peer:
             run([compiler, "-O3", "-march=native", "-std=c++17", "-o", BOOST, source])
         except Unavailable as error:
             raise Unavailable(f"{error} (Debian: libboost-dev)") from None
-    return Peer(name, (str(BOOST),), "chords", run([BOOST, "--version"]))
+    return Peer(name, (str(BOOST),), "chords", run([BOOST, "--version"]).replace("_", "."))
 
 
 def package(module: str, project: str, reads: str) -> Callable[[str], Peer]:

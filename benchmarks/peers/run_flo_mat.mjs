@@ -8,7 +8,7 @@ const [modules, path, budget, most, out] = process.argv.slice(2);
 const { findMats, CpNodeFs } = await import(pathToFileURL(`${modules}/flo-mat/node/index.js`).href);
 const { traverseEdges, isTerminating, getMatCurveToNext } = CpNodeFs;
 
-const SAMPLES = 9; // points on a curve of the axis
+const SAMPLES = 65; // points on a curve of the axis
 const given = JSON.parse(readFileSync(path, 'utf8'));
 const options = { applySat: false, simplify: false };
 

@@ -20,7 +20,7 @@ from OCP.MAT import MAT_Side
 
 from benchmarks.timing import timed
 
-SAMPLES = 33  # points on a bisector
+SAMPLES = 513  # points on a bisector
 LIMIT = 1e4  # parameters of a bisector beyond it are no place on it
 MEET = 1e-7  # of the size: ends nearer than this are one point
 SMOOTH = 1e-6  # radians

@@ -18,8 +18,9 @@ from benchmarks.timing import BUDGET, MOST_RUNS, timed
 from mat_core import Domain, MatError, MedialAxis, medial_axis
 
 TRUTH = 1e-10  # tolerance of the axis that others are held against
-PEER_LIMIT = 60.0  # seconds for one process of a peer, start and writing included
-PEER_BUDGET = {"flo-mat": 2.0}  # seconds of runs, more for an engine that compiles while it runs
+PEER_LIMIT = 30.0  # seconds for one process of a peer, start and writing included
+PEER_BUDGET = 0.6  # seconds of runs
+COMPILING = {"flo-mat": 1.5}  # more for an engine that compiles while it runs
 
 
 @dataclass
@@ -104,7 +105,7 @@ def _peer(peer: Peer, domain: Domain, case: Case, truth: MedialAxis | None) -> A
         write_curves(given, domain)
     else:
         write_cubics(given, domain, case.tolerance)
-    command = [*peer.command, str(given), str(PEER_BUDGET.get(peer.name, BUDGET)), str(MOST_RUNS)]
+    command = [*peer.command, str(given), str(COMPILING.get(peer.name, PEER_BUDGET)), str(MOST_RUNS)]
     printed = _run([*command, str(lines)] if truth is not None else command, answer)
     if printed is None:
         return answer
