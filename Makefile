@@ -5,10 +5,10 @@ PORT ?= 8000
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help run test hunt lint types imports openapi paper lock bench clean dev
+.PHONY: help run test hunt lint types imports openapi paper docs lock bench bench-peers clean dev
 
 help: ## what can be made
-	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 18
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 20
 
 run: ## serve on 127.0.0.1:$(PORT), solve the example, write its picture
 	@$(PYTHON) tools/environment.py requirements.lock
@@ -42,7 +42,9 @@ paper: dev ## run the paper's procedure, write docs/paper.md and its pictures
 bench: dev ## the benchmarks
 	@$(BIN)/python -m benchmarks
 
-.PHONY: docs
+bench-peers: dev ## side by side with other programs (installed under .bench), writes docs/performance.md
+	@$(BIN)/python -m benchmarks.peers $(ARGS)
+
 docs: dev ## run the pages in docs, write their pictures and printed lines anew
 	@PYTHONPATH=. $(BIN)/python tools/pages.py
 

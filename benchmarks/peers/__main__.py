@@ -1,0 +1,66 @@
+"""`python -m benchmarks.peers [--only TEXT] [--minutes N]`: ours and its peers on the same shapes, in one run.
+
+A full run writes docs/performance.md and its pictures; one that is restricted by --only prints, and writes nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+
+os.environ["NUMBA_NUM_THREADS"] = "1"  # one thread for all: set before anything of ours is loaded
+os.environ["OMP_NUM_THREADS"] = "1"
+
+from benchmarks import growth
+from benchmarks.peers import document
+from benchmarks.peers.cases import Case, cases
+from benchmarks.peers.environment import peers
+from benchmarks.peers.solve import Row, solve
+from benchmarks.shapes import LARGE
+from benchmarks.stages import Stages, run
+
+MINUTES = 12.0  # of comparisons, cases that would begin later are left out; growth and profiles take three or four more
+PROFILED = ("lines and arcs/rectangle", "curves/", "polygons/", "large/")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.peers", description=__doc__)
+    parser.add_argument("--only", default="", help="cases whose group/name tolerance contains this")
+    parser.add_argument("--minutes", type=float, default=MINUTES, help="no case begins after so many")
+    chosen = parser.parse_args()
+    found, missing = peers()
+    for peer in found:
+        print(f"{peer.name} {peer.version}")
+    for name, reason in missing.items():
+        print(f"SKIPPED {name}: {reason}")
+    begun = time.monotonic()
+    rows: list[Row] = []
+    left_out: list[str] = []
+    wanted = [case for case in cases() if chosen.only in f"{case.group}/{case.label}"]
+    for case in wanted:
+        if time.monotonic() - begun > 60 * chosen.minutes:
+            print(f"SKIPPED {case.label}: {chosen.minutes:g} minutes are over")
+            left_out.append(case.label)
+            continue
+        rows.append(solve(case, found))
+        print(document.line(rows[-1]), flush=True)
+    if not chosen.only:
+        stages = Stages()
+        families = [_grown(name, stages) for name in LARGE]
+        profiles = {case.label: run(case.build(), stages, tolerance=case.tolerance) for case in wanted if _profiled(case)}
+        document.write(rows, families, profiles, found, missing, left_out)
+
+
+def _grown(name: str, stages: Stages) -> growth.Family:
+    family = growth.grow(name, stages)
+    print("\n".join(growth.table(family) if family.figures else [family.ended]), flush=True)
+    return family
+
+
+def _profiled(case: Case) -> bool:
+    return any(f"{case.group}/{case.label}".startswith(text) for text in PROFILED)
+
+
+if __name__ == "__main__":
+    main()

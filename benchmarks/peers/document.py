@@ -1,0 +1,183 @@
+"""docs/performance.md and its pictures, from one run; the lines that a run prints.
+
+What stands between the two markers of the document is written anew, everything else in it is left as it is.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.growth import LIMIT, Family, header, table
+from benchmarks.peers import pictures
+from benchmarks.peers.aims import number, reached
+from benchmarks.peers.cases import EVERYONE
+from benchmarks.peers.environment import HOME, ROOT, Peer
+from benchmarks.peers.solve import Answer, Row
+from benchmarks.stages import stages_of
+
+DOCUMENT = ROOT / "docs" / "performance.md"
+PICTURES = ROOT / "docs" / "performance"
+BEGIN, END = "<!-- measured -->", "<!-- end of measured -->"
+RIGHT = 1e-3  # of the size: an axis that strays or misses more is counted as wrong
+Table = list[str]
+
+
+def line(row: Row) -> str:
+    """A row of the run as it is printed."""
+    own = row.ours
+    text = f"{row.group:15s} {row.name:28s} {row.tolerance:<6g} {row.edges:6d} edges  "
+    if own.ms is None:
+        return text + own.failed
+    text += f"{own.ms:9.3f} ms (dict {row.to_dict_ms:.3f}, json {row.to_json_ms:.3f}), {own.kept} segments"
+    for peer in row.peers:
+        text += f" | {peer.who} {_ratio(row, peer.who)} kept {peer.kept}"
+    return text
+
+
+def write(
+    rows: Sequence[Row], families: Sequence[Family], profiles: dict[str, dict[str, float]], peers: Sequence[Peer],
+    missing: dict[str, str], left_out: Sequence[str],
+) -> None:  # fmt: skip
+    """The document, its pictures, and all figures in .bench/results.json."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    pictures.ratios(rows, PICTURES / "ratios.svg")
+    pictures.growth(families, PICTURES / "growth.svg")
+    figures = {"rows": [row.to_dict() for row in rows], "growth": [f._asdict() for f in families], "profiles": profiles}
+    start()
+    (HOME / "results.json").write_text(json.dumps(figures, indent=1), encoding="utf-8")
+    parts = [
+        _conditions(peers, missing, left_out),
+        ["## Aims", "", *_aims(rows, families)],
+        ["## Times of others, in times of ours", "", "![ratios](performance/ratios.svg)", "", *_ratios(rows)],
+        ["## Right or wrong", "", *_outcomes(rows), "", *_distances(rows)],
+        ["## Times of ours, and what is not counted in them", "", *_times(rows)],
+        ["## Growth", "", "![growth](performance/growth.svg)", "", *_growth(families)],
+        ["## Where the time goes", "", *_profiles(profiles), "", *_longest(profiles)],
+    ]
+    measured = "\n\n".join("\n".join(part) for part in parts)
+    old = DOCUMENT.read_text(encoding="utf-8")
+    before, rest = old.split(BEGIN)
+    DOCUMENT.write_text(f"{before}{BEGIN}\n{measured}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+
+
+# Parts ---------------------------------------------------------------------------------------------------------------
+def _conditions(peers: Sequence[Peer], missing: dict[str, str], left_out: Sequence[str]) -> Table:
+    lines = ["## The run", ""]
+    lines.append("One run on one shared machine, one thread each. Others kept the machine busy meanwhile: load")
+    lines.append(f"{os.getloadavg()[2]:.1f} over the last quarter of an hour, on {os.cpu_count()} processors.")
+    lines += ["", "Peers: " + ", ".join(f"{p.name} {p.version}" for p in peers) + "."]
+    lines += [f"Not installed: {name} ({reason})." for name, reason in missing.items()]
+    lines += [f"Left out for want of time: {name}." for name in left_out]
+    return lines
+
+
+def _aims(rows: Sequence[Row], families: Sequence[Family]) -> Table:
+    said = {True: "met", False: "**not met**", None: "no figure"}
+    lines = ["| aim | reached | |", "|---|---|---|"]
+    return lines + [f"| {r.aim} | {r.figure} | {said[r.met]} |" for r in reached(rows, families)]
+
+
+def _ratios(rows: Sequence[Row]) -> Table:
+    lines = [f"| shape | tolerance | edges | segments of ours | {' | '.join(EVERYONE)} |"]
+    lines.append("|---|---:|---:|---:|" + "---:|" * len(EVERYONE))
+    for row in rows:
+        cells = " | ".join(_ratio(row, who) for who in EVERYONE)
+        lines.append(f"| {row.name} | {row.tolerance:g} | {row.edges:,} | {row.ours.kept or 0:,} | {cells} |")
+    return lines
+
+
+def _ratio(row: Row, who: str) -> str:
+    answer = next((p for p in row.peers if p.who == who), None)
+    if answer is None:
+        return ""
+    ratio = row.ratio(who)
+    return answer.failed.split(",")[0] if ratio is None else f"{number(ratio)}{' (not finite)' if answer.failed else ''}"
+
+
+def _outcomes(rows: Sequence[Row]) -> Table:
+    """How each program fared on the shapes whose distances were measured."""
+    judged = [row for row in rows if row.ours.stray is not None or row.closed_form is not None]
+    lines = [f"| program | shapes | crash | error | over time | not finite | off by more than {RIGHT:g} |", "|---|" + "---:|" * 6]
+    for who in ("mat-core", *EVERYONE):
+        answers = [a for row in judged for a in (row.ours, *row.peers) if a.who == who]
+        if all(a.stray is None and not a.failed for a in answers):
+            continue  # wrote no lines: pyvoronoi's diagram is that of Boost.Polygon
+        counted = [sum(a.failed.startswith(how) for a in answers) for how in ("crash", "error", "over", "points")]
+        wrong = sum(not a.failed and not _right(a) for a in answers)
+        lines.append(f"| {who} | {len(answers)} | {' | '.join(map(str, [*counted, wrong]))} |")
+    return lines
+
+
+def _right(answer: Answer) -> bool:
+    if answer.stray is None or answer.missed is None:
+        return False
+    return max(answer.stray, answer.missed) <= RIGHT
+
+
+def _distances(rows: Sequence[Row]) -> Table:
+    lines = ["| shape | tolerance | program | kept | strays by | misses by |", "|---|---:|---|---:|---:|---:|"]
+    for row in rows:
+        for answer in (row.ours, *row.peers):
+            if answer.stray is None or row.group in ("glyphs", "icons"):
+                continue
+            kept = f"{answer.kept or 0:,}"
+            lines.append(f"| {row.name} | {row.tolerance:g} | {answer.who} | {kept} | {answer.stray:.1e} | {answer.missed:.1e} |")
+    known = [row.closed_form for row in rows if row.closed_form is not None]
+    if known:
+        lines += ["", f"Where the axis is known in closed form ({len(known)} rows), the axis that all are held against is within"]
+        lines.append(f"{max(known):.1e} of it.")
+    return lines
+
+
+def _times(rows: Sequence[Row]) -> Table:
+    lines = ["| shape | tolerance | `medial_axis`, ms | `Domain.from_dict` | `to_dict` | `to_json` |", "|---|" + "---:|" * 5]
+    for row in rows:
+        cells = [row.ours.ms, row.from_dict_ms, row.to_dict_ms, row.to_json_ms]
+        text = " | ".join("" if v is None else number(v) for v in cells)
+        lines.append(f"| {row.name} | {row.tolerance:g} | {text} |")
+    return lines
+
+
+def _growth(families: Sequence[Family]) -> Table:
+    lines = [*header()]
+    for family in families:
+        lines += table(family) if family.figures else []
+    ended = [f"{f.name}: {f.ended}." for f in families if f.ended]
+    climbed = [
+        f"{f.name}, {n:,} edges: {r:.0f} settings of the tolerances were tried before one passed its certificate."
+        for f in families
+        for n, r in zip(f.sizes, f.rungs(), strict=True)
+        if r > 1
+    ]
+    lines += ["", f"Milliseconds; a family is left off after a size that takes more than {LIMIT:g} s in all."]
+    return lines + ended + climbed
+
+
+def _profiles(profiles: dict[str, dict[str, float]]) -> Table:
+    """Per shape the stages as shares, and what would remain without the longest one."""
+    names = list(dict.fromkeys(name for figures in profiles.values() for name in stages_of(figures)))
+    lines = [f"| shape | ms | {' | '.join(names)} | without the longest, ms |", "|---|---:|" + "---:|" * (len(names) + 1)]
+    for label, figures in profiles.items():
+        whole, parts = figures["medial_axis"], stages_of(figures)
+        shares = " | ".join(f"{100 * parts.get(name, 0.0) / whole:.0f} %" for name in names)
+        lines.append(f"| {label} | {number(whole)} | {shares} | {number(whole - max(parts.values()))} |")
+    return lines
+
+
+def _longest(profiles: dict[str, dict[str, float]]) -> Table:
+    """Which stages take most, and where."""
+    of: dict[str, list[str]] = {}
+    for label, figures in profiles.items():
+        parts = stages_of(figures)
+        of.setdefault(max(parts, key=lambda name: parts[name]), []).append(label)
+    return [f"Longest stage: {'; '.join(f'{name} on {len(labels)} of {len(profiles)}' for name, labels in of.items())}."]
+
+
+def start(path: Path = DOCUMENT) -> None:
+    """An empty document where there is none."""
+    if not path.exists():
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(f"# Performance\n\n{BEGIN}\n{END}\n", encoding="utf-8")
