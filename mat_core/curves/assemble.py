@@ -2,8 +2,8 @@
 
 Pieces of a run meet with a common tangent. Knot spans are proportional to length; between two fitted pieces the
 second span is chosen so that the derivatives agree, too: there the knot is one simpler (C1), the common control point
-is left out. Everywhere else inner knots have multiplicity `degree`. Conics keep weights 1 at their ends, so the
-homogeneous curve is continuous.
+is left out, unless t would drift too far from length. Everywhere else inner knots have multiplicity `degree`. Conics
+keep weights 1 at their ends, so the homogeneous curve is continuous.
 
 Stated error of a segment, normalised: the largest bound of its pieces (`interval`; a conic's measured residual), where
 fitted AXIS_ROUNDING for the axis points it is held against, twice the largest distance a joint was moved to make it C1,
@@ -63,6 +63,7 @@ FINE_TOLERANCE = 2e-5  # at and above: quintic pieces, below: degree 7; a quarte
 FINEST_TOLERANCE = 2e-8  # below: degree 9; a fifth fewer pieces at 1e-9, a third at 1e-12
 ROUNDING = 4.5e-16  # of coordinates, the caller's: two roundings of the largest one
 LEAST_SHARE = 0.5  # of the tolerance that fits must keep, when rounding takes the rest or more
+DRIFT = 64.0  # spans may grow or shrink so much against lengths; over thousands of C1 joints t would lose its digits
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
 
 
@@ -161,7 +162,7 @@ def assemble_runs(
             if p > begin and fitted and fitted_before:
                 smooth_span, defect = _smooth_span(cp, row, span)
                 span = length
-                if defect <= C1_DEFECT:
+                if defect <= C1_DEFECT and length < DRIFT * smooth_span and smooth_span < DRIFT * length:
                     span = smooth_span
                     defects = max(defects, defect)
                     for m in range(row, row + n):
