@@ -41,7 +41,7 @@ def ratios(rows: Sequence[Row], path: Path) -> None:
         axes.set_ylim(len(shown) - 0.5, -0.5)
         axes.set_yticks(range(len(shown)), [f"{row.name}, {row.tolerance:g}" for row in shown])
         axes.grid(axis="both", color="#dddddd", linewidth=0.5)
-        axes.set_xlabel("time of the peer / time of mat-core; right of 1 mat-core is faster; hollow: wrong")
+        axes.set_xlabel("time of the peer / time of mat-core (hollow: its axis is wrong)")
         axes.legend(loc="lower right", framealpha=1.0)
         _save(figure, path)
 
