@@ -1,6 +1,7 @@
-"""`python -m benchmarks.peers [--only TEXT] [--minutes N]`: ours and its peers on the same shapes, in one run.
+"""`python -m benchmarks.peers [--only TEXT] [--minutes N] [--rewrite]`: ours and its peers on the same shapes, in one run.
 
 A full run writes docs/performance.md and its pictures; one that is restricted by --only prints, and writes nothing.
+--rewrite writes the document from the figures of the last full run.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from benchmarks import growth
 from benchmarks.peers import document
 from benchmarks.peers.cases import Case, cases
 from benchmarks.peers.environment import peers
+from benchmarks.peers.results import Results
 from benchmarks.peers.solve import Row, solve
 from benchmarks.shapes import LARGE
 from benchmarks.stages import Stages, run
@@ -28,7 +30,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.peers", description=__doc__)
     parser.add_argument("--only", default="", help="cases whose group/name tolerance contains this")
     parser.add_argument("--minutes", type=float, default=MINUTES, help="no case begins after so many")
+    parser.add_argument("--rewrite", action="store_true", help="measure nothing, write the document from the last full run")
     chosen = parser.parse_args()
+    if chosen.rewrite:
+        document.write(Results.load_from())
+        return
     found, missing = peers()
     for peer in found:
         print(f"{peer.name} {peer.version}")
@@ -49,7 +55,9 @@ def main() -> None:
         stages = Stages()
         families = [_grown(name, stages) for name in LARGE]
         profiles = {case.label: run(case.build(), stages, tolerance=case.tolerance) for case in wanted if _profiled(case)}
-        document.write(rows, families, profiles, found, missing, left_out)
+        results = Results(rows, families, profiles, {peer.name: peer.version for peer in found}, missing, left_out)
+        results.save()
+        document.write(results)
 
 
 def _grown(name: str, stages: Stages) -> growth.Family:

@@ -5,23 +5,20 @@ What stands between the two markers of the document is written anew, everything 
 
 from __future__ import annotations
 
-import json
-import os
 from collections.abc import Sequence
-from pathlib import Path
 
 from benchmarks.growth import LIMIT, Family, header, table
 from benchmarks.peers import pictures
-from benchmarks.peers.aims import number, reached
+from benchmarks.peers.aims import BOOST, number, reached
 from benchmarks.peers.cases import EVERYONE
-from benchmarks.peers.environment import HOME, ROOT, Peer
-from benchmarks.peers.solve import Answer, Row
+from benchmarks.peers.environment import ROOT
+from benchmarks.peers.results import Results
+from benchmarks.peers.solve import RIGHT, Row
 from benchmarks.stages import stages_of
 
 DOCUMENT = ROOT / "docs" / "performance.md"
 PICTURES = ROOT / "docs" / "performance"
 BEGIN, END = "<!-- measured -->", "<!-- end of measured -->"
-RIGHT = 1e-3  # of the size: an axis that strays or misses more is counted as wrong
 Table = list[str]
 
 
@@ -37,25 +34,20 @@ def line(row: Row) -> str:
     return text
 
 
-def write(
-    rows: Sequence[Row], families: Sequence[Family], profiles: dict[str, dict[str, float]], peers: Sequence[Peer],
-    missing: dict[str, str], left_out: Sequence[str],
-) -> None:  # fmt: skip
-    """The document, its pictures, and all figures in .bench/results.json."""
+def write(results: Results) -> None:
+    """The document and its pictures."""
+    rows, families = results.rows, results.families
     PICTURES.mkdir(parents=True, exist_ok=True)
     pictures.ratios(rows, PICTURES / "ratios.svg")
     pictures.growth(families, PICTURES / "growth.svg")
-    figures = {"rows": [row.to_dict() for row in rows], "growth": [f._asdict() for f in families], "profiles": profiles}
-    start()
-    (HOME / "results.json").write_text(json.dumps(figures, indent=1), encoding="utf-8")
     parts = [
-        _conditions(peers, missing, left_out),
+        _conditions(results),
         ["## Aims", "", *_aims(rows, families)],
         ["## Times of others, in times of ours", "", "![ratios](performance/ratios.svg)", "", *_ratios(rows)],
         ["## Right or wrong", "", *_outcomes(rows), "", *_distances(rows)],
         ["## Times of ours, and what is not counted in them", "", *_times(rows)],
         ["## Growth", "", "![growth](performance/growth.svg)", "", *_growth(families)],
-        ["## Where the time goes", "", *_profiles(profiles), "", *_longest(profiles)],
+        ["## Where the time goes", "", *_profiles(results), "", *_longest(results.profiles)],
     ]
     measured = "\n\n".join("\n".join(part) for part in parts)
     old = DOCUMENT.read_text(encoding="utf-8")
@@ -64,14 +56,12 @@ def write(
 
 
 # Parts ---------------------------------------------------------------------------------------------------------------
-def _conditions(peers: Sequence[Peer], missing: dict[str, str], left_out: Sequence[str]) -> Table:
-    lines = ["## The run", ""]
-    lines.append("One run on one shared machine, one thread each. Others kept the machine busy meanwhile: load")
-    lines.append(f"{os.getloadavg()[2]:.1f} over the last quarter of an hour, on {os.cpu_count()} processors.")
-    lines += ["", "Peers: " + ", ".join(f"{p.name} {p.version}" for p in peers) + "."]
-    lines += [f"Not installed: {name} ({reason})." for name, reason in missing.items()]
-    lines += [f"Left out for want of time: {name}." for name in left_out]
-    return lines
+def _conditions(results: Results) -> Table:
+    lines = ["## The run", "", "One run on one shared machine, one thread each. Others kept it busy meanwhile: load"]
+    lines.append(f"{results.load:.1f} over the last quarter of an hour, on {results.processors} processors.")
+    lines += ["", "Peers: " + ", ".join(f"{name} {version}" for name, version in results.peers.items()) + "."]
+    lines += [f"Not installed: {name} ({reason})." for name, reason in results.missing.items()]
+    return lines + [f"Left out for want of time: {name}." for name in results.left_out]
 
 
 def _aims(rows: Sequence[Row], families: Sequence[Family]) -> Table:
@@ -106,15 +96,9 @@ def _outcomes(rows: Sequence[Row]) -> Table:
         if all(a.stray is None and not a.failed for a in answers):
             continue  # wrote no lines: pyvoronoi's diagram is that of Boost.Polygon
         counted = [sum(a.failed.startswith(how) for a in answers) for how in ("crash", "error", "over", "points")]
-        wrong = sum(not a.failed and not _right(a) for a in answers)
+        wrong = sum(not a.failed and a.wrong for a in answers)
         lines.append(f"| {who} | {len(answers)} | {' | '.join(map(str, [*counted, wrong]))} |")
     return lines
-
-
-def _right(answer: Answer) -> bool:
-    if answer.stray is None or answer.missed is None:
-        return False
-    return max(answer.stray, answer.missed) <= RIGHT
 
 
 def _distances(rows: Sequence[Row]) -> Table:
@@ -156,14 +140,18 @@ def _growth(families: Sequence[Family]) -> Table:
     return lines + ended + climbed
 
 
-def _profiles(profiles: dict[str, dict[str, float]]) -> Table:
-    """Per shape the stages as shares, and what would remain without the longest one."""
-    names = list(dict.fromkeys(name for figures in profiles.values() for name in stages_of(figures)))
-    lines = [f"| shape | ms | {' | '.join(names)} | without the longest, ms |", "|---|---:|" + "---:|" * (len(names) + 1)]
-    for label, figures in profiles.items():
+def _profiles(results: Results) -> Table:
+    """Per shape the stages as shares, what would remain without the longest one, and how Boost.Polygon compares to that."""
+    names = list(dict.fromkeys(name for figures in results.profiles.values() for name in stages_of(figures)))
+    lines = [f"| shape | ms | {' | '.join(names)} | without the longest, ms | Boost.Polygon / that |"]
+    lines.append("|---|---:|" + "---:|" * (len(names) + 2))
+    boost = {f"{row.name} {row.tolerance:g}": p.ms for row in results.rows for p in row.peers if p.who == BOOST and p.ms}
+    for label, figures in results.profiles.items():
         whole, parts = figures["medial_axis"], stages_of(figures)
         shares = " | ".join(f"{100 * parts.get(name, 0.0) / whole:.0f} %" for name in names)
-        lines.append(f"| {label} | {number(whole)} | {shares} | {number(whole - max(parts.values()))} |")
+        rest = whole - max(parts.values())
+        ratio = number(boost[label] / rest) if label in boost else ""
+        lines.append(f"| {label} | {number(whole)} | {shares} | {number(rest)} | {ratio} |")
     return lines
 
 
@@ -174,10 +162,3 @@ def _longest(profiles: dict[str, dict[str, float]]) -> Table:
         parts = stages_of(figures)
         of.setdefault(max(parts, key=lambda name: parts[name]), []).append(label)
     return [f"Longest stage: {'; '.join(f'{name} on {len(labels)} of {len(profiles)}' for name, labels in of.items())}."]
-
-
-def start(path: Path = DOCUMENT) -> None:
-    """An empty document where there is none."""
-    if not path.exists():
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(f"# Performance\n\n{BEGIN}\n{END}\n", encoding="utf-8")

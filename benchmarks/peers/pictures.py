@@ -20,20 +20,28 @@ MARKERS = ("o", "v", "s", "D", "^")
 
 
 def ratios(rows: Sequence[Row], path: Path) -> None:
-    """A line a shape, a mark a peer, on a logarithmic scale; right of 1 ours is faster."""
+    """A line a shape, a mark a peer (hollow where its axis is wrong), on a logarithmic scale; right of 1 ours is faster."""
     shown = [row for row in rows if row.peers and row.ours.ms]
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(figsize=(8.0, 1.0 + 0.17 * len(shown)))
         for who, color, marker in zip(EVERYONE, COLORS, MARKERS, strict=True):
-            places = [(row.ratio(who), y) for y, row in enumerate(shown) if row.ratio(who) is not None]
-            if places:
-                axes.scatter(*zip(*places, strict=True), s=22, c=color, marker=marker, label=who, linewidths=0, zorder=3)
+            axes.scatter([], [], s=22, c=color, marker=marker, label=who)
+            for wrong in (False, True):
+                places = [
+                    (ratio, y)
+                    for y, row in enumerate(shown)
+                    for answer in row.peers
+                    if answer.who == who and answer.wrong == wrong and (ratio := row.ratio(who)) is not None
+                ]
+                if places:
+                    filling = "none" if wrong else color
+                    axes.scatter(*zip(*places, strict=True), s=22, facecolors=filling, edgecolors=color, marker=marker, zorder=3)
         axes.axvline(1.0, color="black", linewidth=1.0)
         axes.set_xscale("log")
         axes.set_ylim(len(shown) - 0.5, -0.5)
         axes.set_yticks(range(len(shown)), [f"{row.name}, {row.tolerance:g}" for row in shown])
         axes.grid(axis="both", color="#dddddd", linewidth=0.5)
-        axes.set_xlabel("time of the peer / time of mat-core; right of 1 mat-core is faster")
+        axes.set_xlabel("time of the peer / time of mat-core (hollow: its axis is wrong)")
         axes.legend(loc="lower right", framealpha=1.0)
         _save(figure, path)
 

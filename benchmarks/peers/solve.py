@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from benchmarks.peers.exports import grid_of, write_chords, write_cubics, write_
 from benchmarks.timing import BUDGET, MOST_RUNS, timed
 from mat_core import Domain, MatError, MedialAxis, medial_axis
 
+RIGHT = 1e-3  # of the size: an axis that strays or misses more is counted as wrong
 TRUTH = 1e-10  # tolerance of the axis that others are held against
 PEER_LIMIT = 30.0  # seconds for one process of a peer, start and writing included
 PEER_BUDGET = 0.6  # seconds of runs
@@ -35,6 +36,11 @@ class Answer:
     stray: float | None = None
     missed: float | None = None
     failed: str = ""
+
+    @property
+    def wrong(self) -> bool:
+        """Nothing usable, or off the true axis by more than RIGHT. What was not measured is not wrong."""
+        return bool(self.failed) or self.kept == 0 and self.stray is None or max(self.stray or 0.0, self.missed or 0.0) > RIGHT
 
 
 @dataclass
@@ -56,9 +62,6 @@ class Row:
         """How many times a peer's time is of ours."""
         ms = next((p.ms for p in self.peers if p.who == who), None)
         return ms / self.ours.ms if ms is not None and self.ours.ms else None
-
-    def to_dict(self) -> dict[str, Any]:
-        return asdict(self)
 
 
 def solve(case: Case, peers: list[Peer]) -> Row:
