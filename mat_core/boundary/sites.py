@@ -50,6 +50,7 @@ from mat_core.kernels.layout import (
     K0,
     K1,
     KIND,
+    KNOWN,
     LEN,
     LINE,
     LOOP,
@@ -178,6 +179,7 @@ def _fill_piece(pieces_i, pieces_f, p, after, cp, site, loop, si, sf):
     si[site, EDGE] = pieces_i[p, P_EDGE]
     si[site, SPAN] = pieces_i[p, P_SPAN]
     si[site, CORNER] = SMOOTH_JOINT
+    si[site, KNOWN] = 0
     sf[site, UA] = pieces_f[p, P_UA]
     sf[site, UB] = pieces_f[p, P_UB]
     sf[site, SKEW] = pieces_f[p, P_SKEW]
@@ -248,6 +250,7 @@ def _as_arc(site, length, si, sf):
     if not sweep * k > 0.0:
         return length
     si[site, KIND] = ARC
+    si[site, KNOWN] = 1
     sf[site, K0] = sf[site, K1] = k
     sf[site, SWEEP] = sweep
     return abs(sweep / k)

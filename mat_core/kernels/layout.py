@@ -10,8 +10,8 @@ from __future__ import annotations
 LINE, ARC, SPIRAL, FAN = 0, 1, 2, 3
 
 # si: integers of a site
-KIND, DEG, CP0, RATIONAL, NEXT, PREV, V0, V1, LOOP, EDGE, SPAN, CORNER = range(12)
-SI_WIDTH = 12
+KIND, DEG, CP0, RATIONAL, NEXT, PREV, V0, V1, LOOP, EDGE, SPAN, CORNER, KNOWN = range(13)
+SI_WIDTH = 13
 
 # sf: floats of a site
 X0, Y0, X1, Y1, TX0, TY0, TX1, TY1, K0, K1, LEN, SWEEP, UA, UB, SKEW, XMIN, YMIN, XMAX, YMAX = range(19)
@@ -19,6 +19,7 @@ X0_LOW, Y0_LOW, X1_LOW, Y1_LOW = range(19, 23)  # what is left of the ends beyon
 SF_WIDTH = 23
 
 # SKEW q: the input edge's parameter at s on the site's Bezier is UA + (UB - UA) s / (s + q (1 - s))
+# KNOWN: 1 for an ARC whose curvature comes from the derivatives of its Bezier, not from a circle through its points
 # CORNER: the joint at the start of a site
 SMOOTH_JOINT, CONVEX_VERTEX = 0, 1
 

@@ -103,7 +103,7 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     left = kl >= own - 1e-9 * abs(own)
     right = kr >= own - 1e-9 * abs(own)
     arcs = (1 if right and si[j, KIND] == ARC else 0) + (2 if left and si[before, KIND] == ARC else 0)
-    rough = max(arc_noise(sf, j) if arcs & 1 else 0.0, arc_noise(sf, before) if arcs & 2 else 0.0)
+    rough = max(arc_noise(si, sf, j) if arcs & 1 else 0.0, arc_noise(si, sf, before) if arcs & 2 else 0.0)
     if arcs > 0 and own > 0.0 and whole >= 0:
         r = 1.0 / own
         off = math.sqrt((px + r * nx - disc[whole, 0]) ** 2 + (py + r * ny - disc[whole, 1]) ** 2) + abs(r - disc[whole, 2])

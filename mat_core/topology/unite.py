@@ -14,7 +14,7 @@ import math
 
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner, jit
-from mat_core.kernels.layout import ARC, ARC_CONTACT, CURVATURE_LEAF, K0, KIND, LEN, LOOP, NEXT, PREV, THROUGH, VERTEX_LEAF
+from mat_core.kernels.layout import ARC, ARC_CONTACT, CURVATURE_LEAF, K0, KIND, KNOWN, LEN, LOOP, NEXT, PREV, THROUGH, VERTEX_LEAF
 
 COORDINATE = 2.3e-16  # rounding of a normalised coordinate
 FLATTEST = 1e-7  # no arc's circle is believed to be worse than this
@@ -42,8 +42,10 @@ def unite(parent, a, b):
 
 
 @inner
-def arc_noise(sf, i):
+def arc_noise(si, sf, i):
     """Relative rounding of the radius of a circular arc: that of the coordinates over the arc's height, length^2 / (8 r)."""
+    if si[i, KNOWN] == 1:
+        return 0.0
     flat = sf[i, K0] * sf[i, LEN]
     return min(16.0 * COORDINATE / (flat * flat), FLATTEST)
 
@@ -225,7 +227,7 @@ def unite_whole(si, sf, disc, kind, winner, sweep, by_sweep, parent, tolerance):
         a = by_sweep[position]
         if kind[a] != ARC_CONTACT:
             continue
-        near = max(tolerance, 4.0 * arc_noise(sf, a if winner[a] & 1 else si[a, PREV]) * disc[a, 2])
+        near = max(tolerance, 4.0 * arc_noise(si, sf, a if winner[a] & 1 else si[a, PREV]) * disc[a, 2])
         for later in range(position + 1, n):
             b = by_sweep[later]
             if sweep[b] - sweep[a] > near:
