@@ -255,9 +255,10 @@ class _Rebuilder:
         """One loop of curves, ends joined."""
         edges: list[Part] = []
         smooth = False
-        for side, after in zip(chain, chain[1:] + chain[:1], strict=True):
-            gap = self._gap(side, after)
-            vertex = self._vertex(side)
+        vertices = [self._vertex(side) for side in chain]
+        for i, (side, vertex) in enumerate(zip(chain, vertices, strict=True)):
+            following = (i + 1) % len(chain)
+            gap = self._gap(side, chain[following])
             if vertex is not None:
                 edges.append(Part([], None, vertex))
             elif smooth:
@@ -265,7 +266,7 @@ class _Rebuilder:
             else:
                 edges.append(Part(self._controls(side), None, None))
             smooth = vertex is None and abs(gap.turn) * gap.disc[2] <= SNAP < gap.disc[2]
-            smooth = smooth and self._vertex(after) is None
+            smooth = smooth and vertices[following] is None
             if gap.turn * gap.disc[2] > SNAP:
                 p = vertex if vertex is not None else edges[-1].pieces[-1][-1]
                 edges.append(Part([], _arc_about(gap.disc, p, gap.turn), None))

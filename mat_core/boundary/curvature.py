@@ -193,7 +193,7 @@ def _is_faint(table, n):
 
 
 @inner
-def _extent(cp, c0, deg):
+def extent(cp, c0, deg):
     """Length of the control polygon, each side measured along x and y."""
     length = 0.0
     for i in range(c0, c0 + deg):
@@ -220,7 +220,7 @@ def curvature_changes(cp, c0, deg, rational, free, rounding, table, work, bounds
             part = free
             place_part(cp, c0, deg, rational, begin, end, table, free)
         n = _numerator(cp, part, deg, rational, table)
-        if step > SMALLEST_PART and _is_faint(table, n) and _extent(cp, part, deg) > SHORT * rounding:
+        if step > SMALLEST_PART and _is_faint(table, n) and extent(cp, part, deg) > SHORT * rounding:
             step *= 0.5
             continue
         # a change may lie right between two parts

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, place_part
+from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, place_part
 from mat_core.boundary.joints import end_frame
 from mat_core.kernels.bezier import balance, restrict
 from mat_core.kernels.curve import bezier_frame
@@ -226,10 +226,7 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             if n_roots < 0:
                 return -1, cp_used
     first = count
-    length = 0.0
-    for i in range(deg):
-        length += abs(cp[c0 + i + 1, 0] - cp[c0 + i, 0]) + abs(cp[c0 + i + 1, 1] - cp[c0 + i, 1])
-    gap = max(ROOT_GAP, SHORT * rounding / length)
+    gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
     begin = _trimmed(cp, c0, deg, rational, 0, roots, n_roots)
     last = _trimmed(cp, c0, deg, rational, 1, roots, n_roots)
     if not begin < last:
