@@ -1,8 +1,8 @@
 """The HTTP skin of mat_core: a POST for the axis and one for each analysis, documentation, and processes that compute.
 
 The web process (`service.app`) reads bytes and forwards them; it never imports mat_core. The workers
-(`service.solve`, forked by `service.nursery`) parse, solve and encode; they never import the web framework.
-`service.pool` stands between.
+(`service.workers.solve`, forked by `service.workers.nursery`) parse, solve and encode; they never import the web framework.
+`service.workers.pool` stands between.
 """
 
 from pathlib import Path

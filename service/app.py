@@ -10,12 +10,12 @@ from fastapi import FastAPI
 
 from service import __version__, openapi, responses
 from service.middleware import RequestContext
-from service.pool import Pool
 from service.routes import docs, health, solve
 from service.settings import Settings
+from service.workers.pool import Pool
 
 
-def create_app(settings: Settings | None = None, handler: str = "service.solve") -> FastAPI:
+def create_app(settings: Settings | None = None, handler: str = "service.workers.solve") -> FastAPI:
     """The service as an ASGI application.
 
     Parameters

@@ -6,8 +6,8 @@ from fastapi import APIRouter, Request
 
 from service import __version__
 from service.errors import RequestError
-from service.pool import Pool
 from service.schemas import Status, Versions
+from service.workers.pool import Pool
 
 router = APIRouter(tags=["operation"])
 

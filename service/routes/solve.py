@@ -13,8 +13,8 @@ from starlette.requests import ClientDisconnect
 from service.errors import RequestError
 from service.negotiation import FORMATS, check_content, choose_format
 from service.operations import OPERATIONS, Operation
-from service.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
 from service.settings import Settings
+from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
 
 router = APIRouter(tags=["medial axis"])
 

@@ -17,7 +17,7 @@ from mat_core.analysis.operations import OPERATIONS as LIBRARY
 from mat_core.axis import MedialAxis
 from mat_core.model.curve import RationalBSpline
 from service.operations import OPERATIONS
-from service.solve import handle
+from service.workers.solve import handle
 from tools.pages import BLOCK, DOCS, PICTURES, ROOT, Ran, pages, rewritten, run
 
 PAGES = pages()

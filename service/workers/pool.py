@@ -25,9 +25,9 @@ from typing import Any
 
 import orjson
 
-from service import wire
-from service.nursery import COMMAND, KILL, SPAWN
 from service.settings import KIB, Settings
+from service.workers import wire
+from service.workers.nursery import COMMAND, KILL, SPAWN
 
 LARGE_BODY_BYTES = 256 * KIB
 """Bodies above this take the lane that leaves one worker free (about 500 edges; a solve of a tenth of a second)."""
@@ -41,7 +41,7 @@ RESTART_SECONDS = (0.5, 30.0)
 GOODBYE_SECONDS = 0.5
 """How long a nursery may take to end by itself."""
 
-_log = logging.getLogger("service.pool")
+_log = logging.getLogger("service.workers.pool")
 
 
 class PoolError(Exception):
@@ -111,7 +111,7 @@ class Pool:
         True while the last attempt to load the handler has failed; the next one is under way or due.
     """
 
-    def __init__(self, settings: Settings, handler: str = "service.solve") -> None:
+    def __init__(self, settings: Settings, handler: str = "service.workers.solve") -> None:
         self._settings = settings
         self._handler = handler
         self.about: dict[str, Any] = {}
@@ -226,7 +226,7 @@ class Pool:
         process = None
         try:
             process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-P", "-m", "service.nursery", self._handler),
+                *(sys.executable, "-P", "-m", "service.workers.nursery", self._handler),
                 *(str(its_control.fileno()), str(event_write), str(self._settings.worker_memory_bytes)),
                 stdin=asyncio.subprocess.DEVNULL,
                 pass_fds=(its_control.fileno(), event_write),
@@ -304,7 +304,7 @@ async def _end(process: asyncio.subprocess.Process) -> None:
 
 def _nursery_environment() -> dict[str, str]:
     """What this process was given, with this package importable and one thread a worker (they are the parallelism)."""
-    root = str(Path(__file__).resolve().parents[1])
+    root = str(Path(__file__).resolve().parents[2])
     paths = [path for path in (os.environ.get("PYTHONPATH"), root) if path]
     single = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     return {**os.environ, **single, "PYTHONPATH": os.pathsep.join(paths)}

@@ -10,13 +10,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Awaitable, Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from service.pool import LARGE_BODY_BYTES, DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
 from service.settings import MIB, Settings
+from service.workers.pool import LARGE_BODY_BYTES, DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
+from tests.service.live import ROOT
 from tests.service.processes import alive, descendants, eventually, status
 
 HANDLER = "tests.service.handlers"
@@ -211,7 +211,7 @@ def test_requests_wait_while_a_nursery_that_cannot_load_is_tried_again() -> None
 def test_nothing_outlives_a_web_process_that_is_killed() -> None:
     program = (
         "import asyncio, os\n"
-        "from service.pool import Pool\n"
+        "from service.workers.pool import Pool\n"
         "from service.settings import Settings\n"
         "async def main():\n"
         "    pool = Pool(Settings(), 'tests.service.handlers')\n"
@@ -221,7 +221,7 @@ def test_nothing_outlives_a_web_process_that_is_killed() -> None:
         '        await pool.solve({}, b\'{"do": "spin", "seconds": 60}\')\n'
         "asyncio.run(main())\n"
     )
-    root = Path(__file__).resolve().parents[2]
+    root = ROOT
     with subprocess.Popen([sys.executable, "-c", program], cwd=root, stdout=subprocess.PIPE) as web:
         assert web.stdout is not None
         worker = int(web.stdout.readline())

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service import wire
+from service.workers import wire
 
 
 @given(st.dictionaries(st.text(), st.integers(-(2**60), 2**60) | st.text() | st.none()), st.binary(max_size=1000))

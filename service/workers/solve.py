@@ -34,7 +34,7 @@ MAX_PROBLEMS = 1000
 SOLVER_OPTIONS = frozenset(inspect.signature(mat_core.medial_axis).parameters) - {"domain"}
 """What this version of the library takes; the contract knows more."""
 
-_log = logging.getLogger("service.solve")
+_log = logging.getLogger("service.workers.solve")
 
 Answer = tuple[dict[str, Any], bytes]
 

@@ -1,6 +1,6 @@
 """The process that raises workers: it loads and compiles everything once, then forks a ready worker in milliseconds.
 
-Run as ``python -m service.nursery HANDLER CONTROL_FD EVENT_FD MEMORY_BYTES``. A compiled loop ignores every signal but
+Run as ``python -m service.workers.nursery HANDLER CONTROL_FD EVENT_FD MEMORY_BYTES``. A compiled loop ignores every signal but
 SIGKILL, so a request is stopped by killing its worker; the next one must therefore cost almost nothing. Forking the
 threaded web server would be unsafe, forking this single-threaded process is not, and the loaded pages are shared.
 
@@ -8,7 +8,7 @@ threaded web server would be unsafe, forking this single-threaded process is not
 
     web process --control: (K)ill or (S)pawn, worker id [, socket]--> nursery --fork--> worker
          ^-----------events: JSON lines (progress, ready, gone)--------'                      |
-         ^-----------one socket a worker, messages of service.wire-----------------------------'
+         ^-----------one socket a worker, messages of service.workers.wire-----------------------------'
 
 HANDLER is a module with ``preload(progress) -> dict``, called once here, and ``handle(header, body) -> header, body``,
 called in the worker for each request. Nothing outlives the web process: the end of the control stream ends the nursery,
@@ -33,7 +33,7 @@ import sys
 from types import ModuleType
 from typing import NoReturn
 
-from service import wire
+from service.workers import wire
 
 COMMAND = struct.Struct("!cI")
 SPAWN, KILL = b"S", b"K"
