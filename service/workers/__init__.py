@@ -1,1 +1,1 @@
-"""Work in processes that can be killed: `pool` (the web process's side), `nursery` (forks them), `wire` (between both), `solve`."""
+"""Work in processes that can be killed: `pool` (the web process's side), `nursery` (forks them), `wire` (between), `solve`."""
