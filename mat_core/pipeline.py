@@ -10,6 +10,7 @@ steps decide, has the first rung only). Nothing else is ever returned.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from mat_core.axis import MedialAxis
 from mat_core.boundary.sites import SiteTable, build_sites
@@ -26,6 +27,11 @@ TOLERANCE_RANGE = (1e-12, 1e-1)
 METHODS = ("discs", "march")
 CHECK_STEP_RANGE = (1, 10**6)
 
+STAGES = {"sites": 0.0, "skeleton": 0.05, "graph": 0.5, "curves": 0.55, "certificate": 0.7}
+"""The stages that are reported as they begin, with the share of a large domain's time that lies before each, roughly."""
+
+Progress = Callable[[str, float], None]
+
 
 def medial_axis(
     domain: Domain,
@@ -34,6 +40,8 @@ def medial_axis(
     step: float | None = None,
     smooth_angle: float = 1e-6,
     check_step: int | None = None,
+    *,
+    progress: Progress | None = None,
 ) -> MedialAxis:
     """The certified medial axis transform of a domain.
 
@@ -57,6 +65,8 @@ def medial_axis(
     check_step : int, optional
         Tracing steps of "march" from one check for a branch point to the next, 1 to 1,000,000; default 10. "discs", whose check
         is exact, has no use for it.
+    progress : callable, optional
+        Called as each of `STAGES` begins, with its name and the share that is done. It begins again with each rung of the ladder.
 
     Returns
     -------
@@ -77,36 +87,56 @@ def medial_axis(
     """
     _check_options(tolerance, method, step, smooth_angle, check_step)
     if method == "march":
-        return _march(domain, tolerance, step, smooth_angle, check_step)
+        return _march(domain, tolerance, step, smooth_angle, check_step, progress)
     first: NotCertified | None = None
     for tolerances in LADDER:
+        _begin(progress, "sites")
         table = build_sites(domain, min(smooth_angle, tolerances.smooth), tolerances)
+        _begin(progress, "skeleton")
         try:
-            return _finish(domain, table, build_skeleton(table, tolerances), tolerance, step, tolerances)
+            return _finish(domain, table, build_skeleton(table, tolerances), tolerance, step, tolerances, progress)
         except NotCertified as error:
             first = first or error
     assert first is not None
     raise first
 
 
-def _march(domain: Domain, tolerance: float, step: float | None, smooth_angle: float, check_step: int | None) -> MedialAxis:
+def _march(
+    domain: Domain,
+    tolerance: float,
+    step: float | None,
+    smooth_angle: float,
+    check_step: int | None,
+    progress: Progress | None,
+) -> MedialAxis:
     """The published procedure, judged as any other result."""
     tolerances = LADDER[0]
+    _begin(progress, "sites")
     table = build_sites(domain, min(smooth_angle, tolerances.smooth), tolerances)
+    _begin(progress, "skeleton")
     skeleton = march(table, domain.size * table.scale, step, check_step)
     try:
-        return _finish(domain, table, skeleton, tolerance, step, tolerances)
+        return _finish(domain, table, skeleton, tolerance, step, tolerances, progress)
     except NotCertified as error:
         advice = f'{error.detail} (a march misses a branch that its steps pass over; use a smaller step, or method "discs")'
         raise NotCertified(advice, error.place, error.certificate) from error
 
 
 def _finish(
-    domain: Domain, table: SiteTable, skeleton: Skeleton, tolerance: float, step: float | None, tolerances: Tolerances
+    domain: Domain,
+    table: SiteTable,
+    skeleton: Skeleton,
+    tolerance: float,
+    step: float | None,
+    tolerances: Tolerances,
+    progress: Progress | None,
 ) -> MedialAxis:
     """Graph, curves and certificate of a skeleton."""
+    _begin(progress, "graph")
     skeleton, graph = build_graph(table, skeleton, tolerances)
+    _begin(progress, "curves")
     axis = build_axis(domain, table, skeleton, graph, tolerance, step)
+    _begin(progress, "certificate")
     certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain)
     certificate["smooth_angle"] = table.smooth_angle
     if not certificate["passed"]:
@@ -114,6 +144,12 @@ def _finish(
         place = tuple(check["place"]) if check.get("place") else None
         raise NotCertified(f"{name}: {check['detail']}", place, certificate)
     return axis.with_certificate(certificate)
+
+
+def _begin(progress: Progress | None, stage: str) -> None:
+    """Report that a stage begins."""
+    if progress is not None:
+        progress(stage, STAGES[stage])
 
 
 def _check_options(

@@ -66,11 +66,13 @@ class Settings:
     deadline_seconds : float
         Longest time from a request's arrival to its answer, waiting included; then its worker is killed.
     queue_limit : int
-        Requests that may wait for a worker; one more is answered 503 at once.
+        Requests that may wait for a worker in each of the two lanes, small and long; one more is answered 503 at once.
     worker_memory_bytes : int
         Address space a worker may claim beyond what it starts with; a larger demand is answered 422 too-complex.
     worker_recycle_bytes : int
         A worker whose resident size is above this after an answer is replaced, so that one big domain leaves no trace.
+    worker_recycle_requests : int
+        A worker that has answered so many requests or lines of a batch is replaced; 0: never.
     log_level : str
         What is logged: debug (health checks, too), info (a line a request), warning or error.
     keep_failed_dir : Path or None
@@ -79,10 +81,11 @@ class Settings:
 
     workers: int = field(default=2, metadata={"read": _integer(1, 256)})
     max_body_bytes: int = field(default=16 * MIB, metadata={"read": _integer(KIB, 1024 * MIB)})
-    deadline_seconds: float = field(default=60.0, metadata={"read": _seconds(0.05, 86_400)})
+    deadline_seconds: float = field(default=30.0, metadata={"read": _seconds(0.05, 86_400)})
     queue_limit: int = field(default=64, metadata={"read": _integer(0, 100_000)})
     worker_memory_bytes: int = field(default=1024 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
     worker_recycle_bytes: int = field(default=512 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
+    worker_recycle_requests: int = field(default=10_000, metadata={"read": _integer(0, 1_000_000_000)})
     log_level: str = field(default="info", metadata={"read": _level})
     keep_failed_dir: Path | None = field(default=None, metadata={"read": _folder})
 

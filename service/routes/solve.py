@@ -30,7 +30,7 @@ def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
         pool: Pool = request.app.state.pool
         form = choose_format(f, request.headers.get("accept", "*/*"), operation.formats)
         check_content(request.headers)
-        if pool.full:
+        if pool.refuses(announced_bytes(request)):
             raise queue_full()  # before its body takes memory here
         body = await read_body(request, settings.max_body_bytes)
         keep = str(settings.keep_failed_dir) if settings.keep_failed_dir else None
@@ -61,11 +61,16 @@ def queue_full() -> RequestError:
     return RequestError("queue-full", "As many requests wait as may wait; this one was not started.")
 
 
+def announced_bytes(request: Request) -> int:
+    """The size of the body as its header has it; 0 where it says nothing."""
+    announced = request.headers.get("content-length", "")
+    return int(announced) if announced.isdigit() else 0
+
+
 async def read_body(request: Request, limit: int) -> bytes:
     """The body, refused as soon as it is known to be too large; its bytes are counted, whatever its header promises."""
     too_large = RequestError("body-too-large", f"The limit is {limit} bytes.", headers={"Connection": "close"})
-    announced = request.headers.get("content-length", "")
-    if announced.isdigit() and int(announced) > limit:
+    if announced_bytes(request) > limit:
         raise too_large
     body = bytearray()
     async for chunk in request.stream():

@@ -1,30 +1,30 @@
 """The process that raises workers: it loads and compiles everything once, then forks a ready worker in milliseconds.
 
-Run as ``python -m service.workers.nursery HANDLER CONTROL_FD EVENT_FD MEMORY_BYTES``. A compiled loop ignores every signal but
-SIGKILL, so a request is stopped by killing its worker; the next one must therefore cost almost nothing. Forking the
+Run as ``python -m service.workers.nursery HANDLER CONTROL_FD EVENT_FD MEMORY_BYTES PARENT``. A compiled loop ignores every
+signal but SIGKILL, so a request is stopped by killing its worker; the next one must therefore cost almost nothing. Forking the
 threaded web server would be unsafe, forking this single-threaded process is not, and the loaded pages are shared.
 
 ::
 
-    web process --control: (K)ill or (S)pawn, worker id [, socket]--> nursery --fork--> worker
-         ^-----------events: JSON lines (progress, ready, gone)--------'                      |
-         ^-----------one socket a worker, messages of service.workers.wire-----------------------------'
+    web process --control: (S)pawn, (K)ill or (L)ower, worker id [, socket]--> nursery --fork--> worker
+         ^-----------events: JSON lines (progress, ready, gone)-------------'                      |
+         ^-----------one socket a worker, messages of service.workers.wire----------------------------------'
 
-HANDLER is a module with ``preload(progress) -> dict``, called once here, and ``handle(header, body) -> header, body``,
-called in the worker for each request. Nothing outlives the web process: the end of the control stream ends the nursery,
-which kills its workers first; and on Linux the kernel kills a worker whose nursery has gone.
+HANDLER is a module with ``preload(progress) -> dict``, called once here; ``handle(header, body, report) -> header, body``,
+called in the worker for each request; and ``handle_lines(header, body, send) -> header``, called for each chunk of a batch.
+Nothing outlives the web process: the end of the control stream ends the nursery, which kills its workers first; and on Linux
+the kernel kills a worker whose nursery has gone.
 """
 
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import faulthandler
 import gc
 import importlib
 import json
+import logging
 import os
-import resource
 import select
 import signal
 import socket
@@ -34,17 +34,22 @@ from types import ModuleType
 from typing import NoReturn
 
 from service.workers import wire
+from service.workers.process import die_with_parent, limit_memory, resident_bytes
 
 COMMAND = struct.Struct("!cI")
-SPAWN, KILL = b"S", b"K"
-_PR_SET_PDEATHSIG = 1
+SPAWN, KILL, LOWER = b"S", b"K", b"L"
+
+LOW_PRIORITY = 10
+"""Of a worker with long work: beside one of the usual priority it gets a tenth of a processor that both want."""
+
+_log = logging.getLogger("service.workers.nursery")
 
 
 def main() -> None:
     """Load the handler, say so, then serve commands until the control stream ends."""
-    handler_name, (control_fd, event_fd, memory_bytes) = sys.argv[1], map(int, sys.argv[2:])
+    handler_name, (control_fd, event_fd, memory_bytes, parent) = sys.argv[1], map(int, sys.argv[2:])
     faulthandler.enable()
-    _die_with_parent()
+    die_with_parent(parent)
     control = socket.socket(fileno=control_fd)
     events = Events(event_fd)
     handler = importlib.import_module(handler_name)
@@ -109,28 +114,36 @@ class Nursery:
         command, worker = COMMAND.unpack(message)
         if command == SPAWN:
             self._spawn(worker, descriptors[0])
-        elif worker in self._pids:
+        elif worker in self._pids and command == KILL:
             os.kill(self._pids[worker], signal.SIGKILL)
+        elif worker in self._pids and command == LOWER:
+            os.setpriority(os.PRIO_PROCESS, self._pids[worker], LOW_PRIORITY)
         return True
 
     def _spawn(self, worker: int, descriptor: int) -> None:
-        pid = os.fork()
+        nursery = os.getpid()
+        try:
+            pid = os.fork()
+        except OSError as error:  # its channel closes, so whoever counts on it finds out
+            _log.error("no worker could be forked: %s", error)
+            os.close(descriptor)
+            return
         if pid == 0:
-            self._become_worker(descriptor)
+            self._become_worker(descriptor, nursery)
         os.close(descriptor)
         self._pids[worker] = pid
 
-    def _become_worker(self, descriptor: int) -> NoReturn:
+    def _become_worker(self, descriptor: int, nursery: int) -> NoReturn:
         """The child's side of the fork: drop what belongs to the nursery and work until the channel closes."""
         try:
-            _die_with_parent()
+            die_with_parent(nursery)
             signal.set_wakeup_fd(-1)
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
             self._control.close()
             self._events.close()
             os.close(self._wake_read)
             os.close(self._wake_write)
-            _limit_memory(self._memory_bytes)
+            limit_memory(self._memory_bytes)
             work(self._handler, socket.socket(fileno=descriptor))
         except (BrokenPipeError, ConnectionResetError):
             os._exit(0)
@@ -150,39 +163,27 @@ class Nursery:
 
 def work(handler: ModuleType, channel: socket.socket) -> None:
     """Answer one request after the other until the channel closes."""
+    served = 0
+
+    def send_line(line: bytes) -> None:
+        nonlocal served
+        served += 1
+        wire.send(channel, {}, line)
+
+    def report(stage: str, fraction: float) -> None:
+        wire.send(channel, {"stage": stage, "fraction": fraction})
+
     while (message := wire.receive(channel)) is not None:
         header, body = message
-        answer, content = handler.handle(header, body)
+        header["unused"] = served == 0
+        if header.get("lines"):
+            answer, content = handler.handle_lines(header, body, send_line), b""
+        else:
+            answer, content = handler.handle(header, body, report if header.get("progress") else None)
+            served += 1
         del message, body
-        answer["resident_bytes"] = resident_bytes()
+        answer |= {"resident_bytes": resident_bytes(), "served": served}
         wire.send(channel, answer, content)
-
-
-def resident_bytes() -> int:
-    """Resident size of this process in bytes, now (Linux) or at its peak (elsewhere)."""
-    try:
-        with open("/proc/self/statm", "rb") as statm:
-            return int(statm.read().split()[1]) * resource.getpagesize()
-    except OSError:
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-
-
-def _limit_memory(extra_bytes: int) -> None:
-    """Let this process claim `extra_bytes` of address space beyond the present; beyond it Python raises MemoryError."""
-    try:
-        with open("/proc/self/statm", "rb") as statm:
-            present = int(statm.read().split()[0]) * resource.getpagesize()
-    except OSError:
-        return
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    limit = present + extra_bytes
-    resource.setrlimit(resource.RLIMIT_AS, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard))
-
-
-def _die_with_parent() -> None:
-    """Ask the kernel to kill this process when its parent ends (Linux; elsewhere the closed streams do it)."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,7 @@
-"""The web process's side of the workers: who is idle, who waits, and who is killed.
+"""What the service calls: have a domain solved, or a chunk of a batch, by a worker that can be killed.
 
-A request waits for an idle worker, hands it the body and waits for the answer. If the deadline passes or the client
-goes away first, the worker is killed (nothing less stops a compiled loop) and the nursery forks another; the same
-happens when a worker dies by itself or has grown too large. Requests with large bodies never take the last worker, so
-that a small one does not wait behind minutes of work.
+A request waits for its turn (`lanes`), is handed to a worker (`crew`), and its answer is waited for. If the deadline passes or
+nobody wants the answer any more, the worker is killed: nothing less stops a compiled loop.
 
 Everything here runs on the event loop of one process; there is no lock because there is no second thread.
 """
@@ -12,56 +10,33 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
-import logging
-import os
-import socket
-import sys
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-import orjson
-
-from service.settings import KIB, Settings
+from service.settings import Settings
 from service.workers import wire
-from service.workers.nursery import COMMAND, KILL, SPAWN
+from service.workers.channel import ChannelClosed
+from service.workers.chunks import Chunk
+from service.workers.crew import Crew, Reason, Worker, stop
+from service.workers.failures import DeadlineExceeded, PoolError, QueueFull, WorkerCrashed
+from service.workers.lanes import LONG_SECONDS, Lane, Lanes, Turn
 
-LARGE_BODY_BYTES = 256 * KIB
-"""Bodies above this take the lane that leaves one worker free (about 500 edges; a solve of a tenth of a second)."""
+__all__ = ["DeadlineExceeded", "Pool", "PoolError", "QueueFull", "Reply", "Stats", "WorkerCrashed"]
 
-READ_BUFFER_BYTES = 1024 * KIB
-"""Read ahead from a worker; an answer of 12 MB at the default of 64 KiB would take some 200 turns of the event loop."""
+ATTEMPTS = 3
+"""Workers that a request is handed to when each ended before it had read the request."""
 
-RESTART_SECONDS = (0.5, 30.0)
-"""First and longest pause before a nursery that ended is started again."""
-
-GOODBYE_SECONDS = 0.5
-"""How long a nursery may take to end by itself."""
-
-_log = logging.getLogger("service.workers.pool")
+Progress = Callable[[str, float], None]
 
 
-class PoolError(Exception):
-    """A request was not answered; its class says why."""
+class _Stopped(Exception):
+    """A worker was ended, and the request begins again; `reason` says why."""
 
-
-class QueueFull(PoolError):
-    """As many requests wait as the settings allow."""
-
-
-class DeadlineExceeded(PoolError):
-    """The time from arrival to answer, waiting included, ran out; the worker was killed."""
-
-
-class WorkerCrashed(PoolError):
-    """The worker ended without an answer."""
-
-
-class _WorkerWasDead(WorkerCrashed):
-    """The worker had ended before the request reached it (with its nursery, say): another one may have it."""
+    def __init__(self, reason: Reason) -> None:
+        super().__init__(reason)
+        self.reason: Reason = reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,237 +49,244 @@ class Reply:
     work_seconds: float
 
 
-@dataclass(slots=True, eq=False)
-class _Worker:
-    """One worker process as seen from here."""
-
-    number: int
-    reader: asyncio.StreamReader
-    writer: asyncio.StreamWriter
-    gone: bool = False
-
-    async def exchange(self, header: wire.Header, body: bytes) -> tuple[wire.Header, bytes]:
-        """One message there, one back."""
-        try:
-            self.writer.writelines(wire.pack(header, body))
-            await self.writer.drain()
-        except ConnectionError:
-            raise _WorkerWasDead from None
-        try:
-            head_size, body_size = wire.FRAME.unpack(await self.reader.readexactly(wire.FRAME.size))
-            answer = orjson.loads(await self.reader.readexactly(head_size))
-            return answer, await self.reader.readexactly(body_size)
-        except (asyncio.IncompleteReadError, ConnectionError):
-            raise WorkerCrashed from None
-
-
-class Pool:
-    """Workers behind a queue. Use as ``async with pool.running(): await pool.solve(...)``.
+@dataclass(frozen=True, slots=True)
+class Stats:
+    """The pool at one moment.
 
     Attributes
     ----------
-    about : dict
-        What the handler said about itself once loaded (versions); empty until then.
-    progress : tuple of (str, int, int)
-        The last step of loading: its name, how many are done, how many there are (0: not known yet).
-    load_failed : bool
-        True while the last attempt to load the handler has failed; the next one is under way or due.
+    busy, idle : int
+        Workers with a request, and without.
+    running, waiting : mapping of str to int
+        Requests by lane: small, long, job.
+    kills : mapping of str to int
+        Workers ended since the start, by reason; see `service.workers.crew.Reason`.
+    """
+
+    busy: int
+    idle: int
+    running: Mapping[str, int]
+    waiting: Mapping[str, int]
+    kills: Mapping[str, int]
+
+
+@dataclass(slots=True)
+class _Request:
+    """One call of `Pool.solve` on its way."""
+
+    header: wire.Header
+    body: bytes
+    lane: Lane
+    progress: Progress | None
+    clock: asyncio.Timeout
+    seconds: float
+    arrived: float
+    unused: bool = False  # it wants a worker that has not worked before
+
+
+class Pool:
+    """Workers behind queues. Use as ``async with pool.running(): await pool.solve(...)``.
+
+    Parameters
+    ----------
+    settings : Settings
+    handler : str
+        The module that the workers run.
     """
 
     def __init__(self, settings: Settings, handler: str = "service.workers.solve") -> None:
         self._settings = settings
-        self._handler = handler
-        self.about: dict[str, Any] = {}
-        self.progress: tuple[str, int, int] = ("starting", 0, 0)
-        self.load_failed = False
-        self._control: socket.socket | None = None
-        self._workers: dict[int, _Worker] = {}
-        self._idle: asyncio.Queue[_Worker] = asyncio.Queue()
-        self._large = asyncio.Semaphore(max(1, settings.workers - 1))
-        self._waiting = 0
-        self._next_number = 0
+        self._lanes = Lanes(settings.workers, settings.queue_limit)
+        self._crew = Crew(settings, handler)
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """What the handler said about itself once loaded (versions); empty until then."""
+        return self._crew.about
+
+    @property
+    def progress(self) -> tuple[str, int, int]:
+        """The last step of loading: its name, how many are done, how many there are (0: not known yet)."""
+        return self._crew.progress
+
+    @property
+    def load_failed(self) -> bool:
+        """True while the last attempt to load the handler has failed; the next one is under way or due."""
+        return self._crew.load_failed
 
     @property
     def ready(self) -> bool:
         """True when the workers are loaded."""
-        return bool(self._workers)
+        return self._crew.ready
 
     @property
     def full(self) -> bool:
-        """True when a request sent now would be refused: no worker is idle, and no more requests may wait."""
-        return self._idle.empty() and self._waiting >= self._settings.queue_limit
+        """True when even a small request sent now would be refused."""
+        return self.refuses(0)
+
+    def refuses(self, body_bytes: int) -> bool:
+        """Whether a synchronous request with a body of this size, sent now, would be refused: so many wait in its lane."""
+        return self._lanes.full(Lane.of(body_bytes, job=False))
+
+    def stats(self) -> Stats:
+        """Figures for the metrics."""
+        crew, lanes = self._crew, self._lanes
+        return Stats(
+            busy=crew.size - crew.idle,
+            idle=crew.idle,
+            running={lane.value: count for lane, count in lanes.running.items()},
+            waiting={lane.value: count for lane, count in lanes.waiting.items()},
+            kills={reason: crew.kills[reason] for reason in get_args(Reason)},
+        )
 
     @contextlib.asynccontextmanager
     async def running(self) -> AsyncIterator[Pool]:
         """Keep the nursery and its workers alive for the duration; leave no process behind."""
-        supervisor = asyncio.create_task(self._supervise())
+        supervisor = asyncio.create_task(self._crew.supervise())
         try:
             yield self
         finally:
-            # a cancellation that meets the end of what it waits for can be lost: it is said again until it is heard
-            while not supervisor.done():
-                supervisor.cancel()
-                await asyncio.wait([supervisor], timeout=2 * GOODBYE_SECONDS)
-            if not supervisor.cancelled() and (error := supervisor.exception()) is not None:
-                raise error
+            await stop(supervisor)
 
-    async def solve(self, header: wire.Header, body: bytes) -> Reply:
-        """Have one request worked on.
+    async def solve(
+        self,
+        header: wire.Header,
+        body: bytes,
+        *,
+        deadline_seconds: float | None = None,
+        progress: Progress | None = None,
+        job: bool = False,
+    ) -> Reply:
+        """Have one request worked on. Cancelling the call kills the worker.
+
+        Parameters
+        ----------
+        header : dict
+            What the handler is to do with the body; see `service.workers.solve.handle`.
+        body : bytes
+        deadline_seconds : float, optional
+            Instead of the setting's. It begins when the request arrives; that of a job, when a worker takes it.
+        progress : callable, optional
+            Called on the event loop with the stage that the work is in and the fraction (0 to 1) that is done. Work that begins
+            again (in another lane, say) begins at 0 again.
+        job : bool
+            It is a job's: it never takes what is kept for synchronous requests, and is never refused.
 
         Raises
         ------
         QueueFull, DeadlineExceeded, WorkerCrashed
-            See there. Cancelling the call kills the worker, too.
         """
-        arrived = time.monotonic()
+        seconds = self._settings.deadline_seconds if deadline_seconds is None else deadline_seconds
         try:
-            async with asyncio.timeout(self._settings.deadline_seconds):
-                while True:
-                    try:
-                        async with self._worker(len(body)) as worker:
-                            begun = time.monotonic()
-                            answer, content = await worker.exchange(header, body)
-                        break
-                    except _WorkerWasDead:
-                        continue
+            async with asyncio.timeout(None if job else seconds) as clock:
+                lane = Lane.of(len(body), job)
+                request = _Request(header, body, lane, progress, clock, seconds, time.monotonic())
+                return await self._solve(request)
         except TimeoutError:
             raise DeadlineExceeded from None
-        if answer.pop("resident_bytes") > self._settings.worker_recycle_bytes:
-            self._discard(worker)
-        else:
-            self._idle.put_nowait(worker)
-        return Reply(answer, content, begun - arrived, time.monotonic() - begun)
 
-    @contextlib.asynccontextmanager
-    async def _worker(self, body_size: int) -> AsyncIterator[_Worker]:
-        """An idle worker; the caller returns it to the idle ones, unless the block fails, which costs it its life."""
-        if self.full:
-            raise QueueFull
-        self._waiting += 1
-        waiting = True
-        try:
-            async with self._large if body_size > LARGE_BODY_BYTES else contextlib.nullcontext():
-                worker = await self._idle_worker()
-                self._waiting -= 1
-                waiting = False
+    async def lines(
+        self, header: wire.Header, body: bytes, *, first: int = 0, deadline_seconds: float | None = None
+    ) -> AsyncIterator[bytes]:
+        """Have a chunk of a batch worked on: one result line, without its newline, for each line of the body that is not blank.
+
+        A result line is an answer document or a problem document, in order. A line that ends its worker, or takes too long or too
+        much memory, costs itself only: its result says so, and the lines after it go on in another worker.
+
+        Close the iterator (`contextlib.aclosing`) where it is not run to its end: that kills the worker.
+
+        Parameters
+        ----------
+        header : dict
+            As for `solve`; its format must be one without newlines.
+        body : bytes
+            JSON lines.
+        first : int
+            The number of lines of the batch before this chunk; problem documents name the line of the batch, counted from 1.
+        deadline_seconds : float, optional
+            For each line, instead of the setting's.
+        """
+        seconds = self._settings.deadline_seconds if deadline_seconds is None else deadline_seconds
+        chunk = Chunk(header, body, first, seconds)
+        while not chunk.done:
+            async with self._lanes.turn(Lane.JOB):
+                worker = await self._crew.take(lowered=True, unused=chunk.unused)
+                reason: Reason | None = "dismissed"
                 try:
-                    yield worker
-                except BaseException:
-                    self._discard(worker)
-                    raise
-        finally:
-            self._waiting -= waiting
+                    async for line in chunk.work(worker.channel):
+                        yield line
+                    reason = chunk.reason
+                finally:
+                    if reason is not None:
+                        self._crew.kill(worker, reason)
+                if reason is None:
+                    self._crew.give_back(worker, chunk.resident_bytes, chunk.served)
 
-    async def _idle_worker(self) -> _Worker:
+    async def _solve(self, request: _Request) -> Reply:
+        """Hand the request to workers until one has answered it."""
+        again = False
+        unread = 0
         while True:
-            worker = await self._idle.get()
-            if not worker.gone and not worker.reader.at_eof():
-                return worker
+            try:
+                async with self._lanes.turn(request.lane, again) as turn:
+                    return await self._attempt(request, turn)
+            except _Stopped as stopped:
+                again = True
+                if stopped.reason == "preempted":
+                    request.lane = Lane.LONG
+                else:
+                    request.unused = True
+            except ChannelClosed as end:
+                again = True
+                unread += 1
+                if not end.unread or unread == ATTEMPTS:
+                    raise WorkerCrashed from None
 
-    async def _supervise(self) -> None:
-        """Start the nursery, and again whenever it ends, with growing pauses while it fails to load."""
-        pause, longest = RESTART_SECONDS
-        while True:
-            started = time.monotonic()
-            self.about = {}
-            await self._nursery_life()
-            self.load_failed = not self.about
-            if time.monotonic() - started > longest:
-                pause = RESTART_SECONDS[0]
-            _log.error("the nursery of the workers ended; starting it again in %.1f s", pause)
-            await asyncio.sleep(pause)
-            pause = min(2 * pause, longest)
-
-    async def _nursery_life(self) -> None:
-        """One nursery from its start to its end."""
-        control, its_control = socket.socketpair()
-        event_read, event_write = os.pipe()
-        reader = asyncio.StreamReader()
-        pipe = os.fdopen(event_read, "rb", 0)
-        protocol = asyncio.StreamReaderProtocol(reader)
-        events, _ = await asyncio.get_running_loop().connect_read_pipe(lambda: protocol, pipe)
-        process = None
+    async def _attempt(self, request: _Request, turn: Turn) -> Reply:
+        """Hand the request to one worker, which pays with its life for everything but an answer."""
+        worker = await self._crew.take(lowered=turn.lane is not Lane.SMALL, unused=request.unused)
+        begun = time.monotonic()
+        if turn.lane is Lane.JOB and request.clock.when() is None:
+            request.clock.reschedule(asyncio.get_running_loop().time() + request.seconds)
         try:
-            process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-P", "-m", "service.workers.nursery", self._handler),
-                *(str(its_control.fileno()), str(event_write), str(self._settings.worker_memory_bytes)),
-                stdin=asyncio.subprocess.DEVNULL,
-                pass_fds=(its_control.fileno(), event_write),
-                env=_nursery_environment(),
-                start_new_session=True,  # Ctrl-C on a terminal is for the web process to handle
-            )
-            its_control.close()
-            os.close(event_write)
-            self._control = control
-            async for line in reader:
-                await self._on_event(json.loads(line))
-        finally:
-            self._control = None
-            for worker in list(self._workers.values()):
-                self._forget(worker)
-            control.close()
-            events.close()
-            if process is not None:
-                await _end(process)
+            worker.channel.send({**request.header, "progress": request.progress is not None}, request.body)
+            answer, content = await self._answer(request, turn, worker)
+        except BaseException as error:
+            self._crew.kill(worker, _reason(error, request))
+            raise
+        self._crew.give_back(worker, answer.pop("resident_bytes"), answer.pop("served"))
+        return Reply(answer, content, begun - request.arrived, time.monotonic() - begun)
 
-    async def _on_event(self, event: dict[str, Any]) -> None:
-        """React to what the nursery reports."""
-        if event["event"] == "progress":
-            self.progress = (event["name"], event["done"], event["total"])
-        elif event["event"] == "ready":
-            self.about = event["about"]
-            self.load_failed = False
-            for _ in range(self._settings.workers):
-                await self._spawn()
-        elif event["event"] == "gone":
-            worker = self._workers.get(event["worker"])
-            if worker is not None:  # not one that was killed from here
-                _log.warning("worker %d ended by itself with exit code %d", worker.number, event["exit_code"])
-                self._forget(worker)
-            await self._spawn()
-
-    async def _spawn(self) -> None:
-        """Have the nursery fork a worker, and make it available."""
-        if self._control is None:
-            return
-        self._next_number += 1
-        ours, its = socket.socketpair()
-        with its, contextlib.suppress(OSError):  # a nursery that has gone is noticed at the end of its events
-            socket.send_fds(self._control, [COMMAND.pack(SPAWN, self._next_number)], [its.fileno()])
-        reader, writer = await asyncio.open_connection(sock=ours, limit=READ_BUFFER_BYTES)
-        worker = _Worker(self._next_number, reader, writer)
-        self._workers[worker.number] = worker
-        self._idle.put_nowait(worker)
-
-    def _discard(self, worker: _Worker) -> None:
-        """Kill a worker; its end, reported by the nursery, brings its successor."""
-        if worker.gone:
-            return
-        self._forget(worker)
-        if self._control is not None:
-            with contextlib.suppress(OSError):
-                self._control.send(COMMAND.pack(KILL, worker.number))
-
-    def _forget(self, worker: _Worker) -> None:
-        """Take a worker out of use here."""
-        worker.gone = True
-        worker.writer.close()
-        self._workers.pop(worker.number, None)
+    async def _answer(self, request: _Request, turn: Turn, worker: Worker) -> tuple[wire.Header, bytes]:
+        """Wait for the answer; on the way, take a request that is not small after all out of the small lane."""
+        try:
+            async with asyncio.timeout(LONG_SECONDS if turn.lane is Lane.SMALL else None):
+                return await _last_message(request, worker)
+        except TimeoutError:
+            if not turn.become_long():
+                raise _Stopped("preempted") from None
+        self._crew.lower(worker)
+        return await _last_message(request, worker)
 
 
-async def _end(process: asyncio.subprocess.Process) -> None:
-    """Wait for a nursery to kill its workers and go; kill one that is loading and so does not see its stream's end."""
-    try:
-        await asyncio.wait_for(process.wait(), GOODBYE_SECONDS)
-    except TimeoutError:
-        with contextlib.suppress(ProcessLookupError):
-            process.kill()
-        await process.wait()
+async def _last_message(request: _Request, worker: Worker) -> tuple[wire.Header, bytes]:
+    """The answer, after any reports of progress."""
+    while True:
+        header, body = await worker.channel.receive()
+        if header.get("again"):
+            raise _Stopped("memory")
+        if "resident_bytes" in header:
+            return header, body
+        if request.progress is not None:
+            request.progress(header["stage"], header["fraction"])
 
 
-def _nursery_environment() -> dict[str, str]:
-    """What this process was given, with this package importable and one thread a worker (they are the parallelism)."""
-    root = str(Path(__file__).resolve().parents[2])
-    paths = [path for path in (os.environ.get("PYTHONPATH"), root) if path]
-    single = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
-    return {**os.environ, **single, "PYTHONPATH": os.pathsep.join(paths)}
+def _reason(error: BaseException, request: _Request) -> Reason:
+    """Why a worker is killed whose request ended in an error."""
+    if isinstance(error, _Stopped):
+        return error.reason
+    if isinstance(error, ChannelClosed):
+        return "crash"
+    if request.clock.expired():
+        return "deadline"
+    return "dismissed" if request.lane is Lane.JOB else "disconnect"

@@ -27,16 +27,18 @@ from mat_core.formats.json_document import about
 from mat_core.formats.svg import render_result
 from service import __version__
 from service.errors import RequestError
+from service.workers.process import die_with_parent
 
 MAX_PROBLEMS = 1000
 """Problems listed in one answer; a body of garbage would otherwise be answered by a larger one."""
 
-SOLVER_OPTIONS = frozenset(inspect.signature(mat_core.medial_axis).parameters) - {"domain"}
+SOLVER_OPTIONS = frozenset(inspect.signature(mat_core.medial_axis).parameters) - {"domain", "progress"}
 """What this version of the library takes; the contract knows more."""
 
 _log = logging.getLogger("service.workers.solve")
 
 Answer = tuple[dict[str, Any], bytes]
+Report = Callable[[str, float], None]
 
 
 def preload(progress: Callable[[str, int, int], None]) -> dict[str, str]:
@@ -45,10 +47,12 @@ def preload(progress: Callable[[str, int, int], None]) -> dict[str, str]:
     The compiler leaves hundreds of megabytes behind, which every worker would share. So a process that ends right after it fills
     the cache first, and this one only loads from there (or compiles after all, if that process failed).
     """
+    nursery = os.getpid()
     compiler = os.fork()
     if compiler == 0:
         status = 1
         try:
+            die_with_parent(nursery)
             mat_core.warm(progress=progress)
             status = 0
         finally:
@@ -59,27 +63,32 @@ def preload(progress: Callable[[str, int, int], None]) -> dict[str, str]:
     return {"service": __version__, "algorithm": mat_core.__version__}
 
 
-def handle(header: dict[str, Any], body: bytes) -> Answer:
+def handle(header: dict[str, Any], body: bytes, report: Report | None = None) -> Answer:
     """Answer one request.
 
     Parameters
     ----------
     header : dict
         ``operation``: mat or one of `mat_core.analysis.operations`; ``format``: one that it is answered in; ``keep``: the
-        folder for bodies of failed answers, or None.
+        folder for bodies of failed answers, or None; ``unused``: whether this worker has all of its memory left.
     body : bytes
         The request's body as it came.
+    report : callable, optional
+        Called with the stage that begins and the fraction that is done.
 
     Returns
     -------
     tuple of (dict, bytes)
-        ``{"timings": ...}`` with the encoded answer, or ``{"error": ...}`` with code, detail and extra members.
+        ``{"timings": ...}`` with the encoded answer, or ``{"error": ...}`` with code, detail and extra members, or
+        ``{"again": True}``: memory ran out that earlier requests may have kept, another worker should try.
     """
     try:
-        return _solve(header["operation"], header["format"], body)
+        return _solve(header["operation"], header["format"], body, report)
     except RequestError as refusal:
         error = refusal
     except MemoryError:
+        if not header.get("unused", True):
+            return {"again": True}, b""
         error = RequestError("too-complex", "Solving this domain takes more memory than one request may use. Split it.")
     except Exception:
         _log.exception("a request failed where it must not")
@@ -89,7 +98,40 @@ def handle(header: dict[str, Any], body: bytes) -> Answer:
     return {"error": {"code": error.code, "detail": error.detail, "extra": error.extra}}, b""
 
 
-def _solve(name: str, form: str, body: bytes) -> Answer:
+def handle_lines(header: dict[str, Any], body: bytes, send: Callable[[bytes], None]) -> dict[str, Any]:
+    """Answer a chunk of a batch: each line that is not blank is a request of its own, with one result line.
+
+    Parameters
+    ----------
+    header : dict
+        As for `handle`; the format must be one whose answers have no newline. ``first``: how many lines of the batch come before.
+    body : bytes
+        JSON lines.
+    send : callable
+        Takes each result line, without its newline, as soon as it is there: an answer document or a problem document.
+
+    Returns
+    -------
+    dict
+        Empty, or ``{"again": True}``: the line after the last result should be tried by another worker, see `handle`.
+    """
+    unused = header.get("unused", True)
+    for number, line in enumerate(body.split(b"\n"), header["first"] + 1):
+        if not line.strip():
+            continue
+        outcome, content = handle({**header, "unused": unused}, line)
+        if "again" in outcome:
+            return outcome
+        if "error" in outcome:
+            error = RequestError(**outcome["error"])
+            error.extra["line"] = number  # of the batch, where a body of its own would say which of its lines
+            content = _json(error.document())
+        send(content)
+        unused = False
+    return {}
+
+
+def _solve(name: str, form: str, body: bytes, report: Report | None) -> Answer:
     clock = Clock()
     operation = OPERATIONS.get(name)
     domain, arguments = _read(body, operation)
@@ -99,7 +141,7 @@ def _solve(name: str, form: str, body: bytes) -> Answer:
     try:
         for option in options.keys() - SOLVER_OPTIONS:
             raise mat_core.UnsupportedOption(option, "it is not available in this version")
-        axis = mat_core.medial_axis(domain, **options)
+        axis = mat_core.medial_axis(domain, **options, progress=report)
     except mat_core.UnsupportedOption as refusal:
         raise _unsupported(refusal, "/options") from refusal
     except mat_core.NotCertified as failure:

@@ -1,8 +1,11 @@
-"""How the web process and a worker talk: one message each way over a Unix stream socket.
+"""How the web process and a worker talk: messages over a Unix stream socket.
 
 ::
 
     | header bytes, u32 | body bytes, u64 | header (JSON) | body (as it came or as it leaves) |
+
+A request is one message. Its answer may be several: any number of reports (``{"stage", "fraction"}``) and of result lines (an
+empty header), then a last message, whose header has ``resident_bytes`` and ``served`` and says how the request went.
 
 The body is never copied into the header, so a worker's encoded answer goes out to the client byte for byte. No pickle:
 a message can carry nothing that runs.
@@ -27,7 +30,7 @@ def pack(header: Header, body: bytes) -> tuple[bytes, bytes]:
     return FRAME.pack(len(text), len(body)) + text, body
 
 
-def send(channel: socket.socket, header: Header, body: bytes) -> None:
+def send(channel: socket.socket, header: Header, body: bytes = b"") -> None:
     """Write one message to a blocking socket."""
     for buffer in pack(header, body):
         channel.sendall(buffer)

@@ -14,7 +14,7 @@ def preload(progress: Any) -> dict[str, str]:
     return {"service": "test", "algorithm": "test"}
 
 
-def handle(header: dict[str, Any], body: bytes) -> tuple[dict[str, Any], bytes]:
+def handle(header: dict[str, Any], body: bytes, report: Any = None) -> tuple[dict[str, Any], bytes]:
     """Do what the body says: ``{"do": name, ...}``."""
     order = json.loads(body[:1000].rstrip(b" "))
     return {"timings": {"solve": 0.0}, "pid": os.getpid()} | ACTIONS[order["do"]](order, body)[0], body

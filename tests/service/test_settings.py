@@ -20,12 +20,13 @@ def test_every_field_is_read_from_its_variable() -> None:
         "MAT_QUEUE_LIMIT": "0",
         "MAT_WORKER_MEMORY_BYTES": "100000000",
         "MAT_WORKER_RECYCLE_BYTES": "200000000",
+        "MAT_WORKER_RECYCLE_REQUESTS": "300",
         "MAT_LOG_LEVEL": "Warning",
         "MAT_KEEP_FAILED_DIR": "/tmp/failed",
     }
     assert set(given) == {variable(item.name) for item in fields(Settings)}
     assert Settings.from_environment(given) == Settings(
-        3, 2048, 1.5, 0, 100_000_000, 200_000_000, "warning", Path("/tmp/failed")
+        3, 2048, 1.5, 0, 100_000_000, 200_000_000, 300, "warning", Path("/tmp/failed")
     )
 
 

@@ -15,7 +15,8 @@ from typing import Any
 import pytest
 
 from service.settings import MIB, Settings
-from service.workers.pool import LARGE_BODY_BYTES, DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
+from service.workers.lanes import LARGE_BODY_BYTES
+from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
 from tests.service.live import ROOT
 from tests.service.processes import alive, descendants, eventually, status
 
