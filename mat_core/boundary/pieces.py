@@ -95,14 +95,6 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
 
 
 @inner
-def _distance_from(cp, c0, deg, rational, end, s):
-    """Distance of the point at s from the first (end = 0) or last (end = 1) control point."""
-    p = c0 + deg * end
-    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[p, 0], cp[p, 1])
-    return math.sqrt(x * x + y * y)
-
-
-@inner
 def _apart(cp, c0, deg, rational, a, b):
     """Distance of the points at two parameters."""
     near = c0 if a + b <= 1.0 else c0 + deg
@@ -113,14 +105,14 @@ def _apart(cp, c0, deg, rational, a, b):
 
 @inner
 def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
-    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off.
+    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_mended` brings it back to its vertex.
 
     Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once.
     """
     tip = -1
     for step in range(n_roots):
         i = step if end == 0 else n_roots - 1 - step
-        if _distance_from(cp, c0, deg, rational, end, roots[i]) >= TRIM:
+        if _apart(cp, c0, deg, rational, float(end), roots[i]) >= TRIM:
             break
         tip = i
     p = c0 + deg * end
@@ -135,7 +127,7 @@ def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
         far = roots[beyond]
     for _ in range(60):
         m = 0.5 * (near + far)
-        if _distance_from(cp, c0, deg, rational, end, m) < 2.0 * TRIM:
+        if _apart(cp, c0, deg, rational, float(end), m) < 2.0 * TRIM:
             near = m
         else:
             far = m
@@ -179,12 +171,8 @@ def _moved(high, low, by):
 
 
 @inner
-def _chain(cp, c0, deg, pieces_i, pieces_f, first, count, to_the_end):
-    """Starts of the pieces of one Bezier to more digits, each where the one before ends by its own control points.
-
-    So pieces that are near each other, with tiny ones in between, keep the digits of their differences. What rounding leaves over
-    goes to the longest piece; those behind it are placed from the end of the Bezier.
-    """
+def _longest(cp, deg, pieces_i, first, count):
+    """The piece of a Bezier with the ends farthest apart: what must give, gives there."""
     longest = first
     most = -1.0
     for p in range(first, count):
@@ -193,9 +181,31 @@ def _chain(cp, c0, deg, pieces_i, pieces_f, first, count, to_the_end):
         if size > most:
             most = size
             longest = p
-    if not to_the_end:
-        longest = count - 1
+    return longest
+
+
+@inner
+def _mended(cp, c0, deg, rational, begin, end, target):
+    """Shear the piece in rows target.. by what is cut off of its Bezier outside [begin, end], so that the ends meet their vertices.
+
+    A piece that ended beside its vertex was in two places, seen from either end.
+    """
+    ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
+    bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, end, cp[c0 + deg, 0], cp[c0 + deg, 1])
+    for i in range(1, deg + 1):
+        cp[target + i, 0] += i * (ax - bx) / deg
+        cp[target + i, 1] += i * (ay - by) / deg
+
+
+@inner
+def _chain(cp, c0, deg, pieces_i, pieces_f, first, longest, count):
+    """Starts of the pieces of one Bezier to more digits, each where the one before ends by its own control points.
+
+    So pieces that are near each other, with tiny ones in between, keep the digits of their differences. What rounding leaves over
+    goes to the longest piece; those behind it are placed from the end of the Bezier.
+    """
     for axis in range(2):
+        pieces_f[first, P_X + axis] = cp[c0, axis]
         for p in range(first + 1, longest + 1):
             pieces_f[p, P_X + axis], pieces_f[p, P_X_LOW + axis] = _moved(
                 pieces_f[p - 1, P_X + axis], pieces_f[p - 1, P_X_LOW + axis], cp[pieces_i[p - 1, P_CP0] + deg, axis])
@@ -227,11 +237,12 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
                 return -1, cp_used
     first = count
     gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
-    begin = _trimmed(cp, c0, deg, rational, 0, roots, n_roots)
+    start = _trimmed(cp, c0, deg, rational, 0, roots, n_roots)
     last = _trimmed(cp, c0, deg, rational, 1, roots, n_roots)
-    if not begin < last:
-        begin = 0.0
+    if not start < last:
+        start = 0.0
         last = 1.0
+    begin = start
     for cut in range(n_roots + 1):
         stop = last
         if cut < n_roots:
@@ -269,7 +280,10 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             cp_used += deg + 1
             count += 1
             begin = end
-    _chain(cp, c0, deg, pieces_i, pieces_f, first, count, last == 1.0)
+    longest = _longest(cp, deg, pieces_i, first, count)
+    if start > 0.0 or last < 1.0:
+        _mended(cp, c0, deg, rational, start, last, pieces_i[longest, P_CP0])
+    _chain(cp, c0, deg, pieces_i, pieces_f, first, longest, count)
     return count, cp_used
 
 
