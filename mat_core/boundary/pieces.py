@@ -26,7 +26,7 @@ PF_WIDTH = 16
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
-TRIM = 2e-12  # a bend at an end of an edge that is shorter than this is cut off: it has no direction of its own
+TRIM = 2e-13  # a bend at an end of an edge that is shorter than this is cut off: no disc tells it from the vertex
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
 HAIRPIN = 0.1  # radians; what turns by less is no such bend
 UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
@@ -137,7 +137,10 @@ def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
 
 @inner
 def _tight_cut(cp, c0, deg, rational, begin, end):
-    """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`."""
+    """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`.
+
+    Cut again and again the parts grow away from the bend as its radius does: the parameter of none has too few digits there.
+    """
     x, y, ax, ay, bx, by = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
     x, y, dx, dy, ex, ey = bezier_frame(cp, c0, deg, rational, end, cp[c0, 0], cp[c0, 1])
     first = ax * ax + ay * ay
@@ -186,7 +189,7 @@ def _longest(cp, deg, pieces_i, first, count):
 
 @inner
 def _mended(cp, c0, deg, rational, begin, end, target):
-    """Shear the piece in rows target.. by what is cut off of its Bezier outside [begin, end], so that the ends meet their vertices.
+    """Shear the piece in rows target.. by what is cut off of its Bezier outside [begin, end]: its pieces meet the vertices.
 
     A piece that ended beside its vertex was in two places, seen from either end.
     """
@@ -255,8 +258,11 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             end = stop
             while kind != LINE and end - begin > 1e-9 and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
                 end = begin + 0.5 * (end - begin)
-            if kind == SPIRAL:
-                end = _tight_cut(cp, c0, deg, rational, begin, end)
+            while kind == SPIRAL:
+                cut_at = _tight_cut(cp, c0, deg, rational, begin, end)
+                if not cut_at < end:
+                    break
+                end = cut_at
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                 return -1, cp_used
             pieces_f[count, P_X], pieces_f[count, P_Y] = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
