@@ -26,6 +26,8 @@ PF_WIDTH = 16
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
+IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
+AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
 TRIM = 2e-13  # a bend at an end of an edge that is shorter than this is cut off: no disc tells it from the vertex
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
 HAIRPIN = 0.1  # radians; what turns by less is no such bend
@@ -101,6 +103,26 @@ def _apart(cp, c0, deg, rational, a, b):
     ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, a, cp[near, 0], cp[near, 1])
     bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, b, cp[near, 0], cp[near, 1])
     return math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+
+
+@inner
+def _curvature(cp, c0, deg, rational, s):
+    """Curvature at s; infinite where the Bezier stands still."""
+    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[c0, 0], cp[c0, 1])
+    speed = math.sqrt(x1 * x1 + y1 * y1)
+    return (x1 * y2 - y1 * x2) / (speed * speed * speed) if speed > 0.0 else math.inf
+
+
+@inner
+def _is_idle(cp, c0, deg, rational, a, b, rounding):
+    """Whether the part [a, b] is no piece of its own: it has no direction, or is short and its curvature rests."""
+    length = _apart(cp, c0, deg, rational, a, b)
+    if length < SHORT * rounding:
+        return True
+    if length > IDLE:
+        return False
+    k = _curvature(cp, c0, deg, rational, a)
+    return abs(_curvature(cp, c0, deg, rational, b) - k) <= AT_REST * abs(k) < math.inf
 
 
 @inner
@@ -252,7 +274,7 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             stop = roots[cut]
             if stop - begin < gap or last - stop < gap:
                 continue
-            if min(_apart(cp, c0, deg, rational, begin, stop), _apart(cp, c0, deg, rational, last, stop)) < SHORT * rounding:
+            if _is_idle(cp, c0, deg, rational, begin, stop, rounding) or _is_idle(cp, c0, deg, rational, stop, last, rounding):
                 continue
         while begin < stop:
             end = stop
