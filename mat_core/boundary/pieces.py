@@ -26,7 +26,9 @@ PF_WIDTH = 16
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
-TRIM = 2e-12  # a bend at an end of an edge that is shorter than this is cut off: it has no direction of its own
+IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
+AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
+TRIM = 2e-13  # a bend at an end of an edge that is shorter than this is cut off: no disc tells it from the vertex
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
 HAIRPIN = 0.1  # radians; what turns by less is no such bend
 UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
@@ -95,14 +97,6 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
 
 
 @inner
-def _distance_from(cp, c0, deg, rational, end, s):
-    """Distance of the point at s from the first (end = 0) or last (end = 1) control point."""
-    p = c0 + deg * end
-    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[p, 0], cp[p, 1])
-    return math.sqrt(x * x + y * y)
-
-
-@inner
 def _apart(cp, c0, deg, rational, a, b):
     """Distance of the points at two parameters."""
     near = c0 if a + b <= 1.0 else c0 + deg
@@ -112,15 +106,35 @@ def _apart(cp, c0, deg, rational, a, b):
 
 
 @inner
+def _curvature(cp, c0, deg, rational, s):
+    """Curvature at s; infinite where the Bezier stands still."""
+    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[c0, 0], cp[c0, 1])
+    speed = math.sqrt(x1 * x1 + y1 * y1)
+    return (x1 * y2 - y1 * x2) / (speed * speed * speed) if speed > 0.0 else math.inf
+
+
+@inner
+def _is_idle(cp, c0, deg, rational, a, b, rounding):
+    """Whether the part [a, b] is no piece of its own: it has no direction, or is short and its curvature rests."""
+    length = _apart(cp, c0, deg, rational, a, b)
+    if length < SHORT * rounding:
+        return True
+    if length > IDLE:
+        return False
+    k = _curvature(cp, c0, deg, rational, a)
+    return abs(_curvature(cp, c0, deg, rational, b) - k) <= AT_REST * abs(k) < math.inf
+
+
+@inner
 def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
-    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off.
+    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_mended` brings it back to its vertex.
 
     Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once.
     """
     tip = -1
     for step in range(n_roots):
         i = step if end == 0 else n_roots - 1 - step
-        if _distance_from(cp, c0, deg, rational, end, roots[i]) >= TRIM:
+        if _apart(cp, c0, deg, rational, float(end), roots[i]) >= TRIM:
             break
         tip = i
     p = c0 + deg * end
@@ -135,7 +149,7 @@ def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
         far = roots[beyond]
     for _ in range(60):
         m = 0.5 * (near + far)
-        if _distance_from(cp, c0, deg, rational, end, m) < 2.0 * TRIM:
+        if _apart(cp, c0, deg, rational, float(end), m) < 2.0 * TRIM:
             near = m
         else:
             far = m
@@ -145,7 +159,10 @@ def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
 
 @inner
 def _tight_cut(cp, c0, deg, rational, begin, end):
-    """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`."""
+    """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`.
+
+    Cut again and again the parts grow away from the bend as its radius does: the parameter of none has too few digits there.
+    """
     x, y, ax, ay, bx, by = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
     x, y, dx, dy, ex, ey = bezier_frame(cp, c0, deg, rational, end, cp[c0, 0], cp[c0, 1])
     first = ax * ax + ay * ay
@@ -179,12 +196,8 @@ def _moved(high, low, by):
 
 
 @inner
-def _chain(cp, c0, deg, pieces_i, pieces_f, first, count, to_the_end):
-    """Starts of the pieces of one Bezier to more digits, each where the one before ends by its own control points.
-
-    So pieces that are near each other, with tiny ones in between, keep the digits of their differences. What rounding leaves over
-    goes to the longest piece; those behind it are placed from the end of the Bezier.
-    """
+def _longest(cp, deg, pieces_i, first, count):
+    """The piece of a Bezier with the ends farthest apart: what must give, gives there."""
     longest = first
     most = -1.0
     for p in range(first, count):
@@ -193,9 +206,31 @@ def _chain(cp, c0, deg, pieces_i, pieces_f, first, count, to_the_end):
         if size > most:
             most = size
             longest = p
-    if not to_the_end:
-        longest = count - 1
+    return longest
+
+
+@inner
+def _mended(cp, c0, deg, rational, begin, end, target):
+    """Shear the piece in rows target.. by what is cut off of its Bezier outside [begin, end]: its pieces meet the vertices.
+
+    A piece that ended beside its vertex was in two places, seen from either end.
+    """
+    ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
+    bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, end, cp[c0 + deg, 0], cp[c0 + deg, 1])
+    for i in range(1, deg + 1):
+        cp[target + i, 0] += i * (ax - bx) / deg
+        cp[target + i, 1] += i * (ay - by) / deg
+
+
+@inner
+def _chain(cp, c0, deg, pieces_i, pieces_f, first, longest, count):
+    """Starts of the pieces of one Bezier to more digits, each where the one before ends by its own control points.
+
+    So pieces that are near each other, with tiny ones in between, keep the digits of their differences. What rounding leaves over
+    goes to the longest piece; those behind it are placed from the end of the Bezier.
+    """
     for axis in range(2):
+        pieces_f[first, P_X + axis] = cp[c0, axis]
         for p in range(first + 1, longest + 1):
             pieces_f[p, P_X + axis], pieces_f[p, P_X_LOW + axis] = _moved(
                 pieces_f[p - 1, P_X + axis], pieces_f[p - 1, P_X_LOW + axis], cp[pieces_i[p - 1, P_CP0] + deg, axis])
@@ -227,25 +262,29 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
                 return -1, cp_used
     first = count
     gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
-    begin = _trimmed(cp, c0, deg, rational, 0, roots, n_roots)
+    start = _trimmed(cp, c0, deg, rational, 0, roots, n_roots)
     last = _trimmed(cp, c0, deg, rational, 1, roots, n_roots)
-    if not begin < last:
-        begin = 0.0
+    if not start < last:
+        start = 0.0
         last = 1.0
+    begin = start
     for cut in range(n_roots + 1):
         stop = last
         if cut < n_roots:
             stop = roots[cut]
             if stop - begin < gap or last - stop < gap:
                 continue
-            if min(_apart(cp, c0, deg, rational, begin, stop), _apart(cp, c0, deg, rational, last, stop)) < SHORT * rounding:
+            if _is_idle(cp, c0, deg, rational, begin, stop, rounding) or _is_idle(cp, c0, deg, rational, stop, last, rounding):
                 continue
         while begin < stop:
             end = stop
             while kind != LINE and end - begin > 1e-9 and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
                 end = begin + 0.5 * (end - begin)
-            if kind == SPIRAL:
-                end = _tight_cut(cp, c0, deg, rational, begin, end)
+            while kind == SPIRAL:
+                cut_at = _tight_cut(cp, c0, deg, rational, begin, end)
+                if not cut_at < end:
+                    break
+                end = cut_at
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                 return -1, cp_used
             pieces_f[count, P_X], pieces_f[count, P_Y] = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
@@ -269,7 +308,10 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             cp_used += deg + 1
             count += 1
             begin = end
-    _chain(cp, c0, deg, pieces_i, pieces_f, first, count, last == 1.0)
+    longest = _longest(cp, deg, pieces_i, first, count)
+    if start > 0.0 or last < 1.0:
+        _mended(cp, c0, deg, rational, start, last, pieces_i[longest, P_CP0])
+    _chain(cp, c0, deg, pieces_i, pieces_f, first, longest, count)
     return count, cp_used
 
 
