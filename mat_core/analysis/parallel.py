@@ -25,6 +25,7 @@ from mat_core.analysis.fitting import Fits, fit, join
 from mat_core.analysis.level import parallel
 from mat_core.analysis.parallel_bound import parallel_bound
 from mat_core.boundary.sites import SiteTable
+from mat_core.errors import NotCertified
 from mat_core.kernels.layout import ARC, EDGE, FAN, K0, KIND, LINE, LOOP, NEXT, SPIRAL, SWEEP
 from mat_core.model.curve import RationalBSpline
 from mat_core.tracing.locate import feet
@@ -173,7 +174,12 @@ def _fit_all(
     def bound(curve: Ints, v: Floats, control: Floats) -> Floats:
         return parallel_bound(table, site[curve], np.column_stack((at(curve, v[:, 0]), at(curve, v[:, 1]))), distance, control)
 
-    return fit(points, derivatives, len(free), tolerance, regular=True, bound=bound), first
+    fits = fit(points, derivatives, len(free), tolerance, regular=True, bound=bound)
+    lost = np.flatnonzero(~np.isfinite(fits.error))
+    if len(lost):
+        x, y = (fits.control[lost[0], 0] / table.scale + table.origin).tolist()
+        raise NotCertified("offset: the error of a fitted edge could not be bounded", (x, y))
+    return fits, first
 
 
 def _draw_loop(

@@ -1,7 +1,7 @@
 r"""How far a polynomial is from the parallel curve it was fitted to: a bound by signs of polynomials, nothing sampled.
 
-F(v) is held against C(v) + d n(v) at the same v, C = P / w a Bezier curve with tangent vectors T, N = T turned left. Along T and N
-the two differ by
+F(v) is held against C(v) + d n(v) at the same v, C = P / w a Bezier curve with tangent vectors T, N = T turned left. Along T
+and N the two differ by
 
     e_t = (F - C).T / |T|,       e_n = (F - C).N / |T| - d,       |F - C - d n|^2 = e_t^2 + e_n^2.
 
@@ -10,9 +10,9 @@ the two differ by
     |e_t| <= a   where   a^2 S - A^2 >= 0,
     |e_n| <= b   where   b (2 d - b) S -+ (B^2 - d^2 S) >= 0,    0 < b < d,    B > 0 at one place:
 
-the lower one of the latter two says |B| >= (d - b) w |T|, so that B keeps its sign, the upper one B^2 <= (d^2 + 2 d b) S. A polynomial
-without a negative Bernstein coefficient on an interval is nowhere negative there; halving the interval brings the coefficients to
-the values. Guesses for a and b come from values, and are stated only where the signs prove them.
+the lower one of the latter two says |B| >= (d - b) w |T|, so that B keeps its sign, the upper one B^2 <= (d^2 + 2 d b) S. A
+polynomial without a negative Bernstein coefficient on an interval is nowhere negative there; halving the interval brings the
+coefficients to the values. Guesses for a and b come from values, and are stated only where the signs prove them.
 
 A Bezier that stands still at an end has T = v T~ there: that factor is taken out, directions stay.
 """

@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from mat_core import Domain, MedialAxis, medial_axis
-from mat_core.analysis import offset
+from mat_core import Domain, MedialAxis, NotCertified, medial_axis
+from mat_core.analysis import offset, parallel
 from mat_core.analysis.parallel import parallel_points
 from mat_core.analysis.parallel_bound import parallel_bound
 from mat_core.boundary.sites import SiteTable
@@ -92,3 +92,11 @@ def test_edges_of_offsets_are_where_they_say(tolerance: float) -> None:
         largest = float(axis.skeleton.disc[:, 2].max() / axis.table.scale)
         fitted += assert_bounded(axis, SHARES[n % len(SHARES)] * largest, tolerance, Reference(json.loads(json.dumps(plain))))
     assert fitted > 40
+
+
+def test_an_edge_without_a_bound_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    axis = medial_axis(Domain.from_dict(shape("ellipse")))
+    monkeypatch.setattr(parallel, "parallel_bound", lambda table, site, s, d, control: np.full(len(site), np.inf))
+    with pytest.raises(NotCertified, match="could not be bounded") as caught:
+        offset(axis, 0.3)
+    assert caught.value.place is not None
