@@ -63,6 +63,20 @@ def halve(c: Floats) -> tuple[Floats, Floats]:
     return left, right
 
 
+def restrict(c: Floats, a: Floats, b: Floats) -> Floats:
+    """Rows over [a, b] of [0, 1], a < b (m,) each, by convex steps; any trailing axes are carried along."""
+    out = c.copy()
+    n = c.shape[1] - 1
+    shape = (-1, *[1] * (c.ndim - 1))
+    upper = b.reshape(shape)
+    lower = (a / b).reshape(shape)
+    for level in range(1, n + 1):
+        out[:, level:] = (1.0 - upper) * out[:, level - 1 : -1] + upper * out[:, level:]
+    for level in range(1, n + 1):
+        out[:, : n + 1 - level] = (1.0 - lower) * out[:, : n + 1 - level] + lower * out[:, 1 : n + 2 - level]
+    return out
+
+
 def variations(c: Floats, noise: Floats) -> tuple[Ints, Floats]:
     """Sign changes (m,) of the coefficients that stand out of the noise (m,), and the first such sign (0: none)."""
     sign = np.where(np.abs(c) > noise[:, None], np.sign(c), 0.0)

@@ -42,7 +42,7 @@ def closed(edges: list[Part]) -> list[RationalBSpline]:
             pieces[-1] = _led_to(pieces[-1], end)
             for a, b in pairwise(pieces):
                 a[-1] = b[0] = 0.5 * (a[-1] + b[0])
-            knots, control = join(pieces)
+            knots, control, _ = join(pieces)
             curve = RationalBSpline(len(pieces[0]) - 1, knots, control, np.ones(len(control)))
         curve.control_points[0], curve.control_points[-1] = start, end
         out.append(curve)

@@ -2,8 +2,8 @@ r"""Curves that are known point by point as B-splines within a tolerance.
 
 A curve P(v) is fitted over an interval by the polynomial that has its ends and derivatives there, and passes through it
 at m inner nodes (m = 2: degree 5, m = 4: degree 7); what is not near enough is halved. The error is measured where
-nodes let it be largest, in the parameter, |fit(v) - P(v)|, so that it bounds the distance between the curves at the
-places looked at; a margin of `SAFETY` is added for those between.
+nodes let it be largest, in the parameter, |fit(v) - P(v)|, with a margin of `SAFETY` for places between. Who knows P well
+enough for a bound hands it in (`parallel_bound`): then it is the bound that is stated, and that must be near enough.
 
     P, P' --o--x--o--x--o-- P', P        x nodes, o checks
 
@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Curves = Callable[[Ints, Floats], Floats]  # (curve (n,), v (n,)) -> (n, 2)
+Bound = Callable[[Ints, Floats, Floats], Floats]  # (curve (n,), v at both ends (n, 2), control points) -> (n,)
 
 SAFETY = 1.5  # stated error over the largest measured one
 FINE = 5e-8  # from here down degree 7 needs fewer pieces than degree 5 (normalised lengths)
@@ -78,7 +79,8 @@ def _scheme(m: int) -> tuple[Floats, Floats, Floats]:
 
 
 def fit(
-    points: Curves, derivatives: Curves, curves: int, tolerance: float, regular: bool = False, noise: float = 1e-11
+    points: Curves, derivatives: Curves, curves: int, tolerance: float, regular: bool = False, noise: float = 1e-11,
+    bound: Bound | None = None,
 ) -> Fits:
     """Fit the curves P_i(v), v in [0, 1], for i in range(curves).
 
@@ -91,9 +93,10 @@ def fit(
         Largest error; what rounding keeps above it states the larger one.
     regular : bool
         Where a curve begins or ends without speed, the fit does not: its last bit, shorter than the tolerance, is straight.
-
     noise : float
         Errors up to this are not chased when halving does not make them smaller.
+    bound : callable, optional
+        Bounds of the errors of fits that are near enough where they were measured; what it gives is stated, and must do.
 
     Returns
     -------
@@ -131,9 +134,14 @@ def fit(
             error[short] = chord[short]
             good |= short
         # halving helps no more: what is left is the rounding of the points themselves
-        good |= (error <= noise) & (error >= STALLED * before)
-        if remaining == 0 or len(item) > WAITING * (curves + 1):
-            good[:] = True
+        stalled = (error <= noise) & (error >= STALLED * before)
+        ended = remaining == 0 or len(item) > WAITING * (curves + 1)
+        good |= stalled | ended
+        if bound is not None and good.any():
+            measured = error.copy()
+            error[good] = bound(item[good], np.column_stack((lo, hi))[good], control[good])
+            good &= (error <= tolerance) | ended | stalled & (error <= noise)
+            error[~good] = measured[~good]
         before = np.repeat(error[~good], 2)
         done.append((item[good], np.column_stack((lo, hi))[good], control[good], np.maximum(error[good], ROUNDING)))
         item, lo, hi = item[~good], lo[~good], hi[~good]
@@ -153,7 +161,7 @@ def _about(known: Floats, first: Floats) -> Floats:
     return out
 
 
-def join(pieces: Sequence[Floats]) -> tuple[Floats, Floats]:
+def join(pieces: Sequence[Floats]) -> tuple[Floats, Floats, float]:
     """One clamped B-spline of Beziers of one degree that follow each other.
 
     Parameters
@@ -165,17 +173,22 @@ def join(pieces: Sequence[Floats]) -> tuple[Floats, Floats]:
     knots : (k,) float64
         From 0 to 1; spans go with the lengths of the pieces, chosen so that derivatives agree where tangents do.
     control_points : (k - n - 1, 2) float64
+    moved : float
+        How far a joint was moved to make it C1, at most; the curve moves by no more.
     """
     n = len(pieces[0]) - 1
     control: list[Floats] = [pieces[0]]
     knots = [0.0] * (n + 1)
     span = max(math.dist(pieces[0][0], pieces[0][-1]), ROUNDING)
     u = span
+    moved = 0.0
     for before, after in pairwise(pieces):
         arrive, leave = before[-1] - before[-2], after[1] - after[0]
         a, b = float(np.hypot(*arrive)), float(np.hypot(*leave))
-        smooth = a > 0.0 and b > 0.0 and float(np.hypot(*(arrive * b - leave * a))) / (a + b) <= C1_DEFECT
+        defect = float(np.hypot(*(arrive * b - leave * a))) / (a + b) if a > 0.0 and b > 0.0 else math.inf
+        smooth = defect <= C1_DEFECT
         if smooth:
+            moved = max(moved, defect)
             span *= b / a
             control[-1] = control[-1][:-1]
         else:
@@ -184,4 +197,4 @@ def join(pieces: Sequence[Floats]) -> tuple[Floats, Floats]:
         control.append(after[1:])
         u += span
     knots += [u] * (n + 1)
-    return np.array(knots) / u, np.concatenate(control)
+    return np.array(knots) / u, np.concatenate(control), moved

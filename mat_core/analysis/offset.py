@@ -38,7 +38,8 @@ def offset(axis: MedialAxis, distance: float, tolerance: float | None = None) ->
     UnsupportedOption
         The distance is zero, not finite or outward by more than a million times the size, or the tolerance is out of range.
     NotCertified
-        Outward: the exterior has no certified axis. Inward: the loops do not fit the axis (a defect of the axis).
+        Outward: the exterior has no certified axis. Inward: the loops do not fit the axis (a defect of the
+        axis), or the error of a fitted edge could not be bounded.
     """
     return offsets(axis, (distance,), tolerance)[0]
 

@@ -7,7 +7,8 @@ circle, a smooth curve) becomes one edge of the result:
     ARC, FAN  a circular arc, of radius |1/k - d| or d: rational quadratics of at most a quarter turn
     SPIRAL    C(s) + d n(s), fitted
 
-Where two edges meet both end in the same point, the middle of their two; how far they had to move is part of their error.
+Where two edges meet both end in the same point, the middle of their two; how far they had to move is part of their error. So
+are the bound of a fit (`parallel_bound`), and the rounding of coordinates in the caller's own place.
 """
 
 from __future__ import annotations
@@ -20,9 +21,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.analysis.fitting import ROUNDING, Fits, fit, join
+from mat_core.analysis.fitting import Fits, fit, join
 from mat_core.analysis.level import parallel
+from mat_core.analysis.parallel_bound import parallel_bound
 from mat_core.boundary.sites import SiteTable
+from mat_core.errors import NotCertified
 from mat_core.kernels.layout import ARC, EDGE, FAN, K0, KIND, LINE, LOOP, NEXT, SPIRAL, SWEEP
 from mat_core.model.curve import RationalBSpline
 from mat_core.tracing.locate import feet
@@ -34,6 +37,8 @@ SAME_LINE = 1e-13  # radians by which two lines or smooth curves in one may turn
 SAME_CIRCLE = 1e-12  # relative difference of two curvatures on one circle
 QUARTER = 0.5 * math.pi * (1.0 + 1e-9)  # radians that one rational quadratic turns by at most
 NOTHING = 1e-12  # normalised: an edge this short is none; nearer points are one to `Domain`, too
+ARC_MOVED = 1.0 + math.tan(0.125 * math.pi)  # times as far as an end at most moves a point of an arc of a quarter turn
+ROUNDING = 4.5e-16  # of coordinates, the caller's: two roundings of the largest one
 KINDS = {LINE: "line", ARC: "arc", FAN: "arc", SPIRAL: "spline"}
 
 
@@ -166,7 +171,15 @@ def _fit_all(
         rows = [parallel(table, i, s, distance)[2:] for i, s in zip(site[curve].tolist(), at(curve, v).tolist(), strict=True)]
         return np.asarray(np.array(rows).reshape(-1, 2) * (s1 - s0)[curve, None], dtype=np.float64)
 
-    return fit(points, derivatives, len(free), tolerance, regular=True), first
+    def bound(curve: Ints, v: Floats, control: Floats) -> Floats:
+        return parallel_bound(table, site[curve], np.column_stack((at(curve, v[:, 0]), at(curve, v[:, 1]))), distance, control)
+
+    fits = fit(points, derivatives, len(free), tolerance, regular=True, bound=bound)
+    lost = np.flatnonzero(~np.isfinite(fits.error))
+    if len(lost):
+        x, y = (fits.control[lost[0], 0] / table.scale + table.origin).tolist()
+        raise NotCertified("offset: the error of a fitted edge could not be bounded", (x, y))
+    return fits, first
 
 
 def _draw_loop(
@@ -207,20 +220,21 @@ def _draw(
     """One edge from p to q, which are `moved` from the exact ends."""
     kind = int(table.si[group[0].site, KIND])
     source = _source(table, group)
-    error = max(moved, ROUNDING)
+    rounding = ROUNDING * (1.0 + float(np.abs(table.origin).max()) * table.scale)
+    error = moved + rounding
     if kind == LINE:
         return Drawn("line", 1, np.array([0.0, 0.0, 1.0, 1.0]), np.array([p, q]), np.ones(2), source, error)
     if kind != SPIRAL:
-        return Drawn("arc", 2, *_arc(table, group, distance, p, q), source, error)
+        return Drawn("arc", 2, *_arc(table, group, distance, p, q), source, ARC_MOVED * moved + rounding)
     rows = slice(fits.of(first).start, fits.of(first + len(group) - 1).stop)
     control = fits.control[rows].copy()
     shift_p, shift_q = p - control[0, 0], q - control[-1, -1]
     control[0, :2] += shift_p
     control[-1, -2:] += shift_q
-    knots, points = join(list(control))
+    knots, points, smoothed = join(list(control))
     points[0], points[-1] = p, q
     return Drawn("spline", control.shape[1] - 1, knots, points, np.ones(len(points)), source,
-                 float(fits.error[rows].max()) + moved)
+                 float(fits.error[rows].max()) + smoothed + error)
 
 
 def _source(table: SiteTable, group: Sequence[Stretch]) -> Source:

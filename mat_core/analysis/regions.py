@@ -25,7 +25,7 @@ class OffsetEdge:
     source : Source
         What it is parallel to.
     max_error : float
-        Largest distance from the exact offset, measured.
+        Bound of the distance from the exact offset, nothing sampled (`mat_core.analysis.parallel_bound`).
     """
 
     curve: RationalBSpline

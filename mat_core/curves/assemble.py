@@ -20,7 +20,20 @@ from numpy.typing import NDArray
 from mat_core.axis import CurveTable, MedialAxis
 from mat_core.boundary.sites import SiteTable
 from mat_core.curves.conics import K_FREEFORM
-from mat_core.curves.fit import (
+from mat_core.curves.fit import fit_strips, travel
+from mat_core.curves.interval import (
+    AXIS_ROUNDING,
+    CHEBYSHEV,
+    END_COLUMNS,
+    END_ROWS,
+    MAX_DEGREE,
+    MAX_STRIPS,
+    ROWS,
+    SAMPLE_COLUMNS,
+    SAMPLE_ROWS,
+    WAITING,
+)
+from mat_core.curves.pieces import (
     NO_FIT,
     NO_ROOM,
     P_DEGREE,
@@ -34,19 +47,6 @@ from mat_core.curves.fit import (
     Q_SIDE,
     Q_T0,
     Q_T1,
-    fit_strips,
-    travel,
-)
-from mat_core.curves.interval import (
-    AXIS_ROUNDING,
-    CHEBYSHEV,
-    MAX_DEGREE,
-    MAX_STRIPS,
-    ROWS,
-    SAMPLE_COLUMNS,
-    SAMPLE_ROWS,
-    STACK_COLUMNS,
-    STACK_ROWS,
 )
 from mat_core.errors import NotCertified
 from mat_core.kernels.jit import inner, jit
@@ -263,9 +263,9 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
         # ends after the first growth but for curves of many pieces; at the latest at MAX_PIECES for each stretch
         count = fit_strips(
             table.si, table.sf, table.cp, skeleton.disc, strip_i, strip_s, joined, wanted, degree,
-            np.empty((STACK_ROWS, STACK_COLUMNS)), np.empty((SAMPLE_ROWS, SAMPLE_COLUMNS)), np.empty((4, 3)),
-            np.empty((MAX_DEGREE, 3)), np.empty((MAX_DEGREE, 3)), CHEBYSHEV, np.empty((MAX_STRIPS, 4)), np.empty(ROWS),
-            np.empty(3), np.empty(3), way_i, way_f, piece_i, piece_f, piece_cp, found_i, found_f, first)
+            np.empty((END_ROWS, END_COLUMNS)), np.empty((WAITING, END_COLUMNS)), np.empty((SAMPLE_ROWS, SAMPLE_COLUMNS)),
+            np.empty((4, 3)), np.empty((MAX_DEGREE, 3)), np.empty((MAX_DEGREE, 3)), CHEBYSHEV, np.empty((MAX_STRIPS, 4)),
+            np.empty(ROWS), np.empty(3), np.empty(3), way_i, way_f, piece_i, piece_f, piece_cp, found_i, found_f, first)
     if count <= NO_FIT:
         raise _cannot_follow(table, skeleton, int(graph.run_strip[NO_FIT - count]), tolerance)
     parts = int(piece_i[count, P_PART]) if count else 0

@@ -54,9 +54,10 @@ Ints = NDArray[np.int64]
 MAX_DEGREE = 9
 ROWS = MAX_DEGREE + 1  # control points kept for a piece
 
-# the stack of waiting intervals: rows 2 i and 2 i + 1 are the two ends of interval i; columns s, x, y, r, tangent, row of the way
+# an end of an interval: s, x, y, r, tangent, row of the way. Rows of `ends`: start and end of the interval, the end of a piece
+# that will do; of `waiting`: ends that were too far
 I_S, I_X, I_TX, I_ROW = 0, 1, 4, 7
-STACK_ROWS, STACK_COLUMNS = 128, 8
+END_ROWS, END_COLUMNS, WAITING = 3, 8, 128
 
 # the way: where a strip is sampled. way_i: site of s, site of its partner; way_f: s at both ends, the partner's range
 WAY_SITE, WAY_PARTNER = range(2)
@@ -100,23 +101,23 @@ def _share(f: float, half: float) -> float:
 
 
 @inner
-def along(stack: Floats, top: int, x: float, y: float, r: float) -> float:
-    """tau of a disc on the interval on top of the stack."""
-    ux = stack[2 * top + 1, I_X] - stack[2 * top, I_X]
-    uy = stack[2 * top + 1, I_X + 1] - stack[2 * top, I_X + 1]
-    ur = stack[2 * top + 1, I_X + 2] - stack[2 * top, I_X + 2]
-    part = (x - stack[2 * top, I_X]) * ux + (y - stack[2 * top, I_X + 1]) * uy + (r - stack[2 * top, I_X + 2]) * ur
+def along(ends: Floats, x: float, y: float, r: float) -> float:
+    """tau of a disc on the interval."""
+    ux = ends[1, I_X] - ends[0, I_X]
+    uy = ends[1, I_X + 1] - ends[0, I_X + 1]
+    ur = ends[1, I_X + 2] - ends[0, I_X + 2]
+    part = (x - ends[0, I_X]) * ux + (y - ends[0, I_X + 1]) * uy + (r - ends[0, I_X + 2]) * ur
     return part / (ux * ux + uy * uy + ur * ur)
 
 
 @inner
 def sample(
-    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, w: int, s: float, stack: Floats, top: int,
+    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, w: int, s: float, ends: Floats,
     samples: Floats, row: int,
 ) -> None:
     """Row of `samples` for the true axis point with footpoint s in row w of the way."""
     x, y, r, sj, dx, dy, dr = trace(si, sf, cp, way_i[w, WAY_SITE], s, way_i[w, WAY_PARTNER], way_f[w, WAY_LO], way_f[w, WAY_HI])
-    samples[row, 0] = along(stack, top, x, y, r)
+    samples[row, 0] = along(ends, x, y, r)
     samples[row, 1] = x
     samples[row, 2] = y
     samples[row, 3] = r
@@ -126,25 +127,25 @@ def sample(
 
 @inner
 def plan(
-    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, disc: Floats, strip_i: Ints, stack: Floats, top: int,
+    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, disc: Floats, strip_i: Ints, ends: Floats,
     samples: Floats, spare: int, steps: Floats,
 ) -> bool:
     """Fill `steps`, where tau runs in each strip of the interval; False when it does not run evenly enough.
 
     The last strip's sample half way in s stands in row `spare` in any case.
     """
-    first = int(stack[2 * top, I_ROW])
-    last = int(stack[2 * top + 1, I_ROW])
+    first = int(ends[0, I_ROW])
+    last = int(ends[1, I_ROW])
     even = True
     before = 0.0
     for w in range(first, last + 1):
-        s0 = stack[2 * top, I_S] if w == first else way_f[w, WAY_S0]
-        s1 = stack[2 * top + 1, I_S] if w == last else way_f[w, WAY_S1]
+        s0 = ends[0, I_S] if w == first else way_f[w, WAY_S0]
+        s1 = ends[1, I_S] if w == last else way_f[w, WAY_S1]
         after = 1.0
         if w < last:
             d = strip_i[w, 3]
-            after = along(stack, top, disc[d, 0], disc[d, 1], disc[d, 2])
-        sample(si, sf, cp, way_i, way_f, w, 0.5 * (s0 + s1), stack, top, samples, spare)
+            after = along(ends, disc[d, 0], disc[d, 1], disc[d, 2])
+        sample(si, sf, cp, way_i, way_f, w, 0.5 * (s0 + s1), ends, samples, spare)
         half = (samples[spare, 0] - before) / (after - before)
         if not MIN_HALF < half < 1.0 - MIN_HALF or not after > before:
             even = False
@@ -158,35 +159,34 @@ def plan(
 
 @inner
 def sample_at(
-    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, f: float, stack: Floats, top: int, samples: Floats,
+    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, f: float, ends: Floats, samples: Floats,
     row: int, steps: Floats,
 ) -> None:
     """Row of `samples` near tau = f, where the plan puts it."""
-    first = int(stack[2 * top, I_ROW])
-    strips = int(stack[2 * top + 1, I_ROW]) - first + 1
+    first = int(ends[0, I_ROW])
+    strips = int(ends[1, I_ROW]) - first + 1
     k = 0
     while k < strips - 1 and f >= steps[k + 1, PLAN_T]:
         k += 1
     t0 = steps[k, PLAN_T]
     t1 = steps[k + 1, PLAN_T] if k < strips - 1 else 1.0
     s = steps[k, PLAN_S0] + _share((f - t0) / (t1 - t0), steps[k, PLAN_HALF]) * (steps[k, PLAN_S1] - steps[k, PLAN_S0])
-    sample(si, sf, cp, way_i, way_f, first + k, s, stack, top, samples, row)
+    sample(si, sf, cp, way_i, way_f, first + k, s, ends, samples, row)
 
 
 @inner
-def _hermite(stack: Floats, top: int, out: Floats) -> bool:
+def _hermite(ends: Floats, out: Floats) -> bool:
     """Bernstein coefficients (4, 3) of the cubic H over tau; False when an end tangent leans away from the chord."""
-    ux = stack[2 * top + 1, I_X] - stack[2 * top, I_X]
-    uy = stack[2 * top + 1, I_X + 1] - stack[2 * top, I_X + 1]
-    ur = stack[2 * top + 1, I_X + 2] - stack[2 * top, I_X + 2]
+    ux = ends[1, I_X] - ends[0, I_X]
+    uy = ends[1, I_X + 1] - ends[0, I_X + 1]
+    ur = ends[1, I_X + 2] - ends[0, I_X + 2]
     dd = ux * ux + uy * uy + ur * ur
     d = math.sqrt(dd)
     good = True
     for end in range(2):
-        row = 2 * top + end
-        tx = stack[row, I_TX]
-        ty = stack[row, I_TX + 1]
-        tr = stack[row, I_TX + 2]
+        tx = ends[end, I_TX]
+        ty = ends[end, I_TX + 1]
+        tr = ends[end, I_TX + 2]
         lean = tx * ux + ty * uy + tr * ur
         size = math.sqrt(tx * tx + ty * ty + tr * tr)
         factor = dd / lean / 3.0 if lean > 0.0 else 0.0
@@ -194,9 +194,9 @@ def _hermite(stack: Floats, top: int, out: Floats) -> bool:
             good = False
         sign = 1.0 if end == 0 else -1.0
         for m in range(3):
-            p = stack[row, I_X + m]
+            p = ends[end, I_X + m]
             out[3 * end, m] = p
-            out[1 + end, m] = p + sign * factor * stack[row, I_TX + m]
+            out[1 + end, m] = p + sign * factor * ends[end, I_TX + m]
     return good
 
 
@@ -291,15 +291,15 @@ def _bound(samples: Floats, m: int, misses: Floats, points: Floats) -> float:
 
 @inner
 def _chase_end(
-    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, stack: Floats, top: int, m: int, end: int,
+    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, ends: Floats, m: int, end: int,
     samples: Floats, row: int, steps: Floats,
 ) -> None:
     """The check between the outermost one and an end: where the plan puts it, then by regula falsi nearer to its place."""
-    first = int(stack[2 * top, I_ROW])
-    last = int(stack[2 * top + 1, I_ROW])
+    first = int(ends[0, I_ROW])
+    last = int(ends[1, I_ROW])
     f = OUTER * _fraction(m, 0)
     wanted = f if end == 0 else 1.0 - f
-    sample_at(si, sf, cp, way_i, way_f, wanted, stack, top, samples, row, steps)
+    sample_at(si, sf, cp, way_i, way_f, wanted, ends, samples, row, steps)
     w = first if end == 0 else last
     t_out = 0.0 if end == 0 else 1.0
     s_out = steps[w - first, PLAN_S0 if end == 0 else PLAN_S1]
@@ -321,7 +321,7 @@ def _chase_end(
             t_in = t
             s_in = samples[row, 4]
         s = s_in + (s_out - s_in) * (wanted - t_in) / (t_out - t_in)
-        sample(si, sf, cp, way_i, way_f, w, s, stack, top, samples, row)
+        sample(si, sf, cp, way_i, way_f, w, s, ends, samples, row)
 
 
 @inner
@@ -332,17 +332,17 @@ def _well_inside(t: float, before: float, after: float) -> bool:
 
 @inner
 def attempt(
-    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, stack: Floats, top: int, m: int, tolerance: float,
+    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, ends: Floats, m: int, tolerance: float,
     samples: Floats, hermite: Floats, newton: Floats, misses: Floats, points: Floats, steps: Floats,
 ) -> float:
-    """Bound of the fit over the interval on top of the stack when it is within the tolerance; else about its error.
+    """Bound of the fit over the interval when it is within the tolerance; else about its error.
 
     Assumes that the plan is made and runs evenly. Infinite when there is no fit, or samples stand where they tell nothing.
     """
-    if not _hermite(stack, top, hermite):
+    if not _hermite(ends, hermite):
         return math.inf
     for i in range(m):
-        sample_at(si, sf, cp, way_i, way_f, _fraction(m, 2 * i + 1), stack, top, samples, i, steps)
+        sample_at(si, sf, cp, way_i, way_f, _fraction(m, 2 * i + 1), ends, samples, i, steps)
         if not samples[i, 0] - (samples[i - 1, 0] if i else 0.0) > MIN_GAP:
             return math.inf
     if not 1.0 - samples[m - 1, 0] > MIN_GAP:
@@ -354,7 +354,7 @@ def attempt(
         step = (k + 1) // 2
         row = m + k if k == 0 else m + k + 2
         place = m + 2 * step if k % 2 == 0 else m - 2 * step
-        sample_at(si, sf, cp, way_i, way_f, _fraction(m, place), stack, top, samples, row, steps)
+        sample_at(si, sf, cp, way_i, way_f, _fraction(m, place), ends, samples, row, steps)
         i = place // 2
         before = samples[i - 1, 0] if i > 0 else 0.0
         after = samples[i, 0] if i < m else 1.0
@@ -365,7 +365,7 @@ def attempt(
             return worst
     for end in range(2):
         row = m + 1 + end
-        _chase_end(si, sf, cp, way_i, way_f, stack, top, m, end, samples, row, steps)
+        _chase_end(si, sf, cp, way_i, way_f, ends, m, end, samples, row, steps)
         if not _well_inside(samples[row, 0], samples[2 * m + 2, 0] if end else 0.0, 1.0 if end else samples[2 * m + 1, 0]):
             return math.inf
         worst = max(worst, _miss(samples, row, m, hermite, newton, misses, row - m))

@@ -12,7 +12,7 @@ from mat_core import Domain, NotCertified
 from mat_core.axis import CurveTable
 from mat_core.boundary.sites import SiteTable, build_sites
 from mat_core.curves.assemble import build_curves
-from mat_core.curves.fit import MAX_PIECES
+from mat_core.curves.pieces import MAX_PIECES
 from mat_core.kernels.layout import KIND, SPIRAL
 from mat_core.tolerances import LADDER
 from mat_core.topology.graph import AxisGraph, build_graph

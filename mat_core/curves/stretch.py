@@ -1,0 +1,373 @@
+"""Polynomials along one stretch: each as long as the tolerance lets it be, from its start to its end.
+
+    P ----------o---x....o......... Q        o: discs between strips, exact, known beforehand; x: end of a piece
+
+1. A piece is tried to the farthest end that is in question. While its error is too large it is shortened to where its own error
+   says that it would do: it falls with the power of the degree plus one. Ends that were too far are kept for the next piece.
+2. A piece that does, with an error that leaves room, is lengthened towards the end that was too far; the longest is taken.
+3. An end that would fall near a disc between strips is put there.
+
+Shortening ends at a chord that is short for the tolerance, at neighbouring floats, and at MAX_PIECES.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mat_core.curves.conics import K_FREEFORM
+from mat_core.curves.interval import (
+    END_COLUMNS,
+    I_ROW,
+    I_S,
+    I_TX,
+    I_X,
+    MAX_STRIPS,
+    PLAN_S0,
+    PLAN_S1,
+    PLAN_T,
+    ROWS,
+    WAITING,
+    WAY_S0,
+    WAY_S1,
+    WAY_SITE,
+    attempt,
+    plan,
+    sample,
+    sample_at,
+    write_fit,
+)
+from mat_core.curves.pieces import (
+    MAX_PIECES,
+    NO_FIT,
+    NO_ROOM,
+    P_DEGREE,
+    P_ERROR,
+    P_KIND,
+    P_LENGTH,
+    add_part,
+    choose_side,
+    lay_way,
+    polygon_length,
+)
+from mat_core.kernels.curve import evaluate
+from mat_core.kernels.jit import inner
+from mat_core.kernels.layout import V0, V1
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TINY = 1e-11  # a chord this short is not cut any more, nor is an interval this short relative to the whole strip
+SHORT = 0.25  # nor is a chord this short relative to the tolerance: drawn straight it is near enough
+LOST = 1e-9  # largest error, other than the tolerance, at which cutting may end; more is a jump, not rounding
+PARALLEL = 1e-9  # |n1 - n2| below which two normals at one vertex are one
+PRUDENCE = 0.95  # of the length that an error lets one hope for: it is measured at one place only
+LEAST_CUT, MOST_CUT = 0.1, 0.9  # range of the share that a piece is shortened to
+BESIDE = 0.08  # of the wanted length, from a disc between strips: the piece ends there
+WORTH = 1.15  # times as long: what a longer piece must be hoped to be, to be tried
+TRIES = 2  # longer pieces tried
+MAX_GROWTH = 4.0  # times as long: what an error lets one hope for at most
+TOWARDS = 0.75  # most of the way to an end that was too far
+
+
+@inner
+def tangent(
+    si: Ints, sf: Floats, cp: Floats, a: int, sa: float, b: int, sb: float, r: float, sign: float
+) -> tuple[float, float, float]:
+    """Direction (x, y, r) of the axis at the disc of radius r with contacts sa on the right and sb on the left site.
+
+    `sign` is 1 where a strip leaves, -1 where it arrives; it matters at a centre of curvature only.
+    """
+    x, y, ax, ay, k, speed = evaluate(si, sf, cp, a, sa, 0.0, 0.0)
+    x, y, bx, by, k, speed = evaluate(si, sf, cp, b, sb, 0.0, 0.0)
+    # n1 - n2 = (by - ay, ax - bx), turned by -90 degrees
+    tx = ax - bx
+    ty = ay - by
+    length = math.sqrt(tx * tx + ty * ty)
+    vertex_a = si[a, V0] if sa <= 0.0 else (si[a, V1] if sa >= 1.0 else -1)
+    vertex_b = si[b, V0] if sb <= 0.0 else (si[b, V1] if sb >= 1.0 else -2)
+    if vertex_a == vertex_b and (r > 0.0 or length <= PARALLEL) or length == 0.0:
+        return -sign * ay, sign * ax, sign
+    tx /= length
+    ty /= length
+    return tx, ty, ty * ax - tx * ay
+
+
+@inner
+def _put_end(
+    ends: Floats, row: int, w: int, s: float, x: float, y: float, r: float, t: tuple[float, float, float]
+) -> None:
+    """One end of an interval."""
+    ends[row, I_S] = s
+    ends[row, I_X] = x
+    ends[row, I_X + 1] = y
+    ends[row, I_X + 2] = r
+    ends[row, I_TX] = t[0]
+    ends[row, I_TX + 1] = t[1]
+    ends[row, I_TX + 2] = t[2]
+    ends[row, I_ROW] = w
+
+
+@inner
+def _put_disc(
+    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, way_f: Floats, w: int, end: int,
+    ends: Floats, row: int,
+) -> None:
+    """End of an interval at the disc where the strip of row w starts (0) or ends (1)."""
+    d = strip_i[w, 2 + end]
+    t = tangent(si, sf, cp, strip_i[w, 0], strip_s[w, end], strip_i[w, 1], strip_s[w, 2 + end], disc[d, 2],
+                -1.0 if end else 1.0)
+    _put_end(ends, row, w, way_f[w, WAY_S1 if end else WAY_S0], disc[d, 0], disc[d, 1], disc[d, 2], t)
+
+
+@inner
+def _straight(samples: Floats, row: int, m: int, ends: Floats, out: Floats, to: int) -> float:
+    """The last resort on a tiny interval: the chord itself; returns its error.
+
+    That is how far the sample in `row` is from it, and its length where that could be a jump of the axis.
+    """
+    off = 0.0
+    dd = 0.0
+    t = min(max(samples[row, 0], 0.0), 1.0)
+    for c in range(3):
+        p = ends[0, I_X + c]
+        q = ends[1, I_X + c]
+        for k in range(m + 4):
+            f = k / (m + 3.0)
+            out[to + k, c] = (1.0 - f) * p + f * q
+            out[to + k, 3] = 1.0
+        gap = samples[row, 1 + c] - ((1.0 - t) * p + t * q)
+        off += gap * gap
+        dd += (q - p) * (q - p)
+    return max(math.sqrt(2.0 * off), math.sqrt(dd) if dd > LOST * LOST else 0.0)
+
+
+@inner
+def _apart(a: Floats, i: int, b: Floats, j: int) -> float:
+    """Distance of two ends in (x, y, r)."""
+    dx = a[i, I_X] - b[j, I_X]
+    dy = a[i, I_X + 1] - b[j, I_X + 1]
+    dr = a[i, I_X + 2] - b[j, I_X + 2]
+    return math.sqrt(dx * dx + dy * dy + dr * dr)
+
+
+@inner
+def _put_sample(
+    si: Ints, sf: Floats, cp: Floats, strip_i: Ints, way_i: Ints, w: int, samples: Floats, row: int, ends: Floats, to: int
+) -> None:
+    """End of an interval at a sample in the strip of row w."""
+    s = samples[row, 4]
+    sj = samples[row, 5]
+    right = way_i[w, WAY_SITE] == strip_i[w, 0]
+    t = tangent(si, sf, cp, strip_i[w, 0], s if right else sj, strip_i[w, 1], sj if right else s, samples[row, 3], 1.0)
+    _put_end(ends, to, w, s, samples[row, 1], samples[row, 2], samples[row, 3], t)
+
+
+@inner
+def _hope(error: float, tolerance: float, m: int) -> float:
+    """How many times as long a piece could be; a half where its error says nothing."""
+    if not error < math.inf:
+        return 0.5
+    if error == 0.0:
+        return MAX_GROWTH
+    return min(PRUDENCE * (tolerance / error) ** (1.0 / (m + 4.0)), MAX_GROWTH)
+
+
+@inner
+def _shorten(
+    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, way_i: Ints, way_f: Floats, ends: Floats,
+    tolerance: float, share: float, even: bool, samples: Floats, spare: int, steps: Floats, waiting: Floats, to: int,
+) -> bool:
+    """Put an end at a share of the interval into row `to`; False when the interval is too short to be cut."""
+    first = int(ends[0, I_ROW])
+    strips = int(ends[1, I_ROW]) - first + 1
+    w = first
+    if strips > 1:
+        cut = min(strips, MAX_STRIPS) // 2
+        beside = 1.0
+        if even:
+            beside = BESIDE
+            while w < first + strips - 1 and share >= steps[w + 1 - first, PLAN_T]:
+                w += 1
+            cut = w - first
+            if cut == 0 or cut < strips - 1 and steps[cut + 1, PLAN_T] - share < share - steps[cut, PLAN_T]:
+                cut += 1
+        if not even or abs(steps[cut, PLAN_T] - share) <= beside * share:
+            _put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, first + cut - 1, 1, waiting, to)
+            return True
+    if even:
+        sample_at(si, sf, cp, way_i, way_f, share, ends, samples, spare, steps)
+    s = samples[spare, 4]
+    s0 = steps[w - first, PLAN_S0]
+    s1 = steps[w - first, PLAN_S1]
+    inside = 0.0 < abs(s - s0) < abs(s1 - s0)
+    if strips > 1 and not inside:
+        _put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, max(w - 1, first), 1, waiting, to)
+        return True
+    chord = 0.0
+    for c in range(3):
+        chord = max(chord, abs(ends[1, I_X + c] - ends[0, I_X + c]))
+    if not chord > max(TINY, SHORT * tolerance) or not inside or to + 1 >= WAITING:
+        return False
+    if not abs(s1 - s0) > TINY * abs(way_f[w, WAY_S1] - way_f[w, WAY_S0]):
+        return False
+    _put_sample(si, sf, cp, strip_i, way_i, w, samples, spare, waiting, to)
+    return True
+
+
+@inner
+def _lengthen(
+    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, way_i: Ints, way_f: Floats, ends: Floats,
+    hope: float, samples: Floats, spare: int, waiting: Floats, limit: int,
+) -> bool:
+    """Move the interval's end towards that in row `limit`, which is too far; False when there is no room."""
+    length = _apart(ends, 0, ends, 1)
+    room = _apart(waiting, limit, ends, 0) - length
+    wanted = min((hope - 1.0) * length, TOWARDS * room)
+    if not wanted >= (WORTH - 1.0) * length:
+        return False
+    w = int(ends[1, I_ROW])
+    last = int(waiting[limit, I_ROW])
+    s = ends[1, I_S]
+    if s == way_f[w, WAY_S1] and w < last:
+        w += 1
+        s = way_f[w, WAY_S0]
+    if w == last:
+        between = s + wanted / room * (waiting[limit, I_S] - s)
+        if not 0.0 < abs(between - s) < abs(waiting[limit, I_S] - s):
+            return False
+        sample(si, sf, cp, way_i, way_f, w, between, ends, samples, spare)
+        _put_sample(si, sf, cp, strip_i, way_i, w, samples, spare, ends, 1)
+        return True
+    best = w
+    off = math.inf
+    for k in range(w, last):
+        d = strip_i[k, 3]
+        dx = disc[d, 0] - ends[0, I_X]
+        dy = disc[d, 1] - ends[0, I_X + 1]
+        dr = disc[d, 2] - ends[0, I_X + 2]
+        miss = abs(math.sqrt(dx * dx + dy * dy + dr * dr) - length - wanted)
+        if miss < off:
+            off = miss
+            best = k
+    _put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, best, 1, ends, 1)
+    return True
+
+
+@inner
+def _record(
+    strip_i: Ints, way_i: Ints, ends: Floats, steps: Floats, m: int, error: float, piece_i: Ints, piece_f: Floats,
+    piece_cp: Floats, part_i: Ints, part_f: Floats, p: int,
+) -> None:
+    """Piece p is what was written for the interval; it takes the place of a shorter one."""
+    w = int(ends[0, I_ROW])
+    strips = int(ends[1, I_ROW]) - w + 1
+    piece_i[p, P_DEGREE] = m + 3
+    piece_i[p, P_KIND] = K_FREEFORM
+    piece_f[p, P_ERROR] = error
+    piece_f[p, P_LENGTH] = polygon_length(piece_cp, ROWS * p, m + 3)
+    for k in range(strips):
+        t0 = steps[k, PLAN_T] if k else 0.0
+        t1 = steps[k + 1, PLAN_T] if k < strips - 1 else 1.0
+        side = 0 if way_i[w + k, WAY_SITE] == strip_i[w + k, 0] else 1
+        add_part(piece_i, part_i, part_f, p, k, w + k, side, t0, t1, steps[k, PLAN_S0], steps[k, PLAN_S1])
+
+
+@inner
+def _try(
+    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, way_i: Ints, way_f: Floats, ends: Floats, m: int,
+    tolerance: float, samples: Floats, hermite: Floats, newton: Floats, misses: Floats, points: Floats, steps: Floats,
+) -> tuple[bool, float]:
+    """(whether the plan runs evenly, the bound within the tolerance or about the error) of a piece over the interval."""
+    if int(ends[1, I_ROW]) - int(ends[0, I_ROW]) >= MAX_STRIPS:
+        return False, math.inf
+    if not plan(si, sf, cp, way_i, way_f, disc, strip_i, ends, samples, 2 * m + 3, steps):
+        return False, math.inf
+    return True, attempt(si, sf, cp, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses, points, steps)
+
+
+@inner
+def free_stretch(
+    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, begin: int, end: int, flip: int,
+    tolerance: float, m: int, ends: Floats, waiting: Floats, samples: Floats, hermite: Floats, newton: Floats,
+    misses: Floats, points: Floats, steps: Floats, work: Floats, way_i: Ints, way_f: Floats, piece_i: Ints, piece_f: Floats,
+    piece_cp: Floats, part_i: Ints, part_f: Floats, count: int,
+) -> int:
+    """Pieces of the strips in rows begin .. end - 1, in order of travel; returns their new number or a status.
+
+    With `flip` each strip is sampled through the other side.
+    """
+    for w in range(begin, end):
+        side = choose_side(si, sf, disc, strip_i, strip_s, w)
+        lay_way(strip_i, strip_s, w, 1 - side if flip else side, way_i, way_f)
+    spare = 2 * m + 3
+    _put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, begin, 0, ends, 0)
+    _put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, end - 1, 1, waiting, 0)
+    left = int(np.int64(1))  # not a literal: each literal would be compiled for once more
+    pieces = count
+    reach = 0.0
+    while left > 0:
+        if pieces + 1 >= piece_i.shape[0]:
+            return NO_ROOM
+        if pieces - count >= MAX_PIECES:
+            return NO_FIT
+        row = ROWS * pieces
+        while left > 1 and _apart(waiting, left - 1, ends, 0) < reach:
+            left -= 1
+        # 1. shorten
+        fits = False
+        error = math.inf
+        while not fits:
+            for c in range(END_COLUMNS):
+                ends[1, c] = waiting[left - 1, c]
+            even, error = _try(si, sf, cp, disc, strip_i, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses,
+                               points, steps)
+            fits = error <= tolerance
+            if fits:
+                break
+            share = min(max(_hope(error, tolerance, m), LEAST_CUT), MOST_CUT)
+            if not _shorten(si, sf, cp, disc, strip_i, strip_s, way_i, way_f, ends, tolerance, share, even, samples, spare,
+                            steps, waiting, left):
+                if even:
+                    error = attempt(si, sf, cp, way_i, way_f, ends, m, math.inf, samples, hermite, newton, misses, points,
+                                    steps)
+                break
+            left += 1
+        left -= 1
+        if error < math.inf:
+            write_fit(samples, m, hermite, newton, work, piece_cp, row)
+        else:
+            error = _straight(samples, spare, m, ends, piece_cp, row)
+        if not error <= max(tolerance, LOST):
+            return NO_FIT
+        _record(strip_i, way_i, ends, steps, m, error, piece_i, piece_f, piece_cp, part_i, part_f, pieces)
+        # 2. lengthen
+        reach = _apart(ends, 0, ends, 1)
+        for c in range(END_COLUMNS):
+            ends[2, c] = ends[1, c]
+        for _ in range(TRIES):
+            if left == 0 or not fits:
+                break
+            if not _lengthen(si, sf, cp, disc, strip_i, strip_s, way_i, way_f, ends, _hope(error, tolerance, m), samples, spare,
+                             waiting, left - 1):
+                break
+            even, error = _try(si, sf, cp, disc, strip_i, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses,
+                               points, steps)
+            if not error <= tolerance:
+                break
+            write_fit(samples, m, hermite, newton, work, piece_cp, row)
+            _record(strip_i, way_i, ends, steps, m, error, piece_i, piece_f, piece_cp, part_i, part_f, pieces)
+            reach = _apart(ends, 0, ends, 1)
+            for c in range(END_COLUMNS):
+                ends[2, c] = ends[1, c]
+        # the next piece begins there: in the next strip, where that is a disc between strips
+        for c in range(END_COLUMNS):
+            ends[0, c] = ends[2, c]
+        w = int(ends[0, I_ROW])
+        if ends[0, I_S] == way_f[w, WAY_S1] and w < end - 1:
+            ends[0, I_ROW] = w + 1
+            ends[0, I_S] = way_f[w + 1, WAY_S0]
+        pieces += 1
+    return pieces
