@@ -9,8 +9,9 @@ from contextlib import asynccontextmanager
 from fastapi import FastAPI
 
 from service import __version__, openapi, responses
+from service.jobs.dbos_jobs import DbosJobs
 from service.middleware import RequestContext
-from service.routes import docs, health, solve
+from service.routes import batches, docs, health, jobs, solve
 from service.settings import Settings
 from service.workers.pool import Pool
 
@@ -35,7 +36,7 @@ def create_app(settings: Settings | None = None, handler: str = "service.workers
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        async with pool.running():
+        async with pool.running(), app.state.jobs.running():
             yield
 
     app = FastAPI(
@@ -48,9 +49,12 @@ def create_app(settings: Settings | None = None, handler: str = "service.workers
     )
     app.state.settings = settings
     app.state.pool = pool
+    app.state.jobs = DbosJobs(settings, pool)
     app.add_middleware(RequestContext)
     responses.install(app)
     app.include_router(solve.router)
+    app.include_router(jobs.router)
+    app.include_router(batches.router)
     app.include_router(health.router)
     app.include_router(docs.router)
     app.mount("/static", docs.files, name="static")

@@ -6,18 +6,23 @@
     not-json                400     the client: the body
     invalid-parameter       400     the client: the query
     not-found               404     the client: the address
+    result-not-ready        404     nobody: the job is not over
     method-not-allowed      405     the client: the verb
     not-acceptable          406     the client: the Accept header
+    idempotency-key-in-flight  409  nobody: the same request is being received
+    job-dismissed           410     the client: it dismissed the job
     body-too-large          413     the client, or the operator's limit
     unsupported-media-type  415     the client: the Content-Type or Content-Encoding header
     invalid-domain          422     the client: see problems[]
     too-complex             422     the client, or the operator's limit
+    idempotency-key-reused  422     the client: another key for another request
     not-certified           500     us: the answer failed its own proof and was withheld
     internal-error          500     us
     queue-full              503     nobody: try again after Retry-After
     deadline-exceeded       503     the client (a smaller domain), or the operator's limit
     worker-crashed          503     us; trying again is harmless
     not-ready               503     nobody: still starting
+    store-unavailable       503     the operator: the database of jobs or its folder
 
 This module imports no web framework: workers use it, too.
 """
@@ -43,18 +48,23 @@ ERRORS: dict[str, ErrorKind] = {
     "not-json": ErrorKind(400, "The body is not JSON"),
     "invalid-parameter": ErrorKind(400, "A query parameter has a value that is not allowed"),
     "not-found": ErrorKind(404, "Nothing is at this address"),
+    "result-not-ready": ErrorKind(404, "The job is not over yet"),
     "method-not-allowed": ErrorKind(405, "This address does not answer this method"),
     "not-acceptable": ErrorKind(406, "None of the formats asked for is available"),
+    "idempotency-key-in-flight": ErrorKind(409, "A request with this Idempotency-Key is being received"),
+    "job-dismissed": ErrorKind(410, "The job was dismissed"),
     "body-too-large": ErrorKind(413, "The body is larger than this service takes"),
     "unsupported-media-type": ErrorKind(415, "The body is not of a type this service reads"),
     "invalid-domain": ErrorKind(422, "The domain, or what is asked of it, is not valid"),
     "too-complex": ErrorKind(422, "The domain is beyond a limit of this service"),
+    "idempotency-key-reused": ErrorKind(422, "This Idempotency-Key belongs to another request"),
     "not-certified": ErrorKind(500, "The answer failed its certificate and is withheld"),
     "internal-error": ErrorKind(500, "The service failed"),
     "queue-full": ErrorKind(503, "Too many requests are waiting", retry_after_seconds=2),
     "deadline-exceeded": ErrorKind(503, "The time for this request ran out", retry_after_seconds=30),
     "worker-crashed": ErrorKind(503, "The process that solved this request ended", retry_after_seconds=5),
     "not-ready": ErrorKind(503, "The service is still starting", retry_after_seconds=2),
+    "store-unavailable": ErrorKind(503, "Jobs cannot be stored or looked up now", retry_after_seconds=5),
 }
 
 

@@ -35,8 +35,41 @@ Every failure is a problem document (RFC 9457) with a stable `code`; an invalid 
 problems at once, each with its place.
 """
 
-SOLVE_CODES = [code for code in ERRORS if code not in ("not-found", "method-not-allowed", "not-ready")]
-READY_CODES = ["queue-full", "not-ready"]
+NOT_OF_SOLVING = ("not-found", "method-not-allowed", "not-ready", "result-not-ready", "job-dismissed")
+SOLVE_CODES = [code for code in ERRORS if code not in NOT_OF_SOLVING]
+READY_CODES = ["queue-full", "not-ready", "store-unavailable"]
+JOB_CODES = {
+    "/v1/jobs": {"get": ["invalid-parameter", "store-unavailable"]},
+    "/v1/jobs/{job_id}": dict.fromkeys(("get", "delete"), ["invalid-parameter", "not-found", "store-unavailable"]),
+    "/v1/jobs/{job_id}/results": {"get": [code for code in ERRORS if code not in ("method-not-allowed", "not-ready")]},
+    "/v1/batches": {
+        "post": [
+            *("not-json", "invalid-parameter", "idempotency-key-in-flight", "body-too-large", "unsupported-media-type"),
+            *("idempotency-key-reused", "store-unavailable"),
+        ]
+    },
+}
+"""What can go wrong with jobs; a failed job's results are its own problem, with its status."""
+
+PREFER = {
+    "name": "Prefer",
+    "in": "header",
+    "required": False,
+    "description": "`respond-async`: a job, 201. `respond-async, wait=N`: the answer if it comes within N seconds, else the job."
+    " `wait=N`: the answer within N seconds, or 503 deadline-exceeded. Anything else is passed over.",
+    "schema": {"type": "string"},
+    "example": "wait=10",
+}
+
+IDEMPOTENCY_KEY = {
+    "name": "Idempotency-Key",
+    "in": "header",
+    "required": False,
+    "description": "of a request for a job: when it is sent again with the same key, the same job is answered",
+    "schema": {"type": "string", "minLength": 1, "maxLength": 255, "pattern": r"^[\x21-\x7e]([\x20-\x7e]*[\x21-\x7e])?$"},
+}
+
+LINES = "application/x-ndjson"
 
 FORMAT_SCHEMAS: dict[Format, dict[str, str]] = {
     "json": {"type": "object"},
@@ -91,11 +124,45 @@ def build(app: FastAPI) -> Json:
     for operation in OPERATIONS.values():
         solve = document["paths"][f"/v1/{operation.name}"]["post"]
         solve["requestBody"] = {"required": True, "content": {"application/json": _request_content(operation)}}
-        solve["responses"] = {"200": _solved(operation), **_failures(SOLVE_CODES)}
+        solve["responses"] = {"200": _solved(operation), "201": _accepted(), **_failures(SOLVE_CODES)}
         (parameter,) = solve["parameters"]
         parameter["schema"]["anyOf"][0]["enum"] = list(operation.formats)
+        solve["parameters"] += [PREFER, IDEMPOTENCY_KEY]
+    _describe_jobs(document["paths"])
     document["paths"]["/readyz"]["get"]["responses"].update(_failures(READY_CODES))
     return document
+
+
+def _describe_jobs(paths: Json) -> None:
+    """Put in what the framework cannot see of the routes of jobs."""
+    for path, methods in JOB_CODES.items():
+        for method, codes in methods.items():
+            route = paths[path][method]
+            good = {status: response for status, response in route["responses"].items() if int(status) < 300}
+            route["responses"] = {**good, **_failures(codes)}
+    batch = paths["/v1/batches"]["post"]
+    lines = {"schema": {"type": "string", "description": "one domain a line"}}
+    batch["requestBody"] = {"required": True, "content": {LINES: lines}}
+    batch["responses"]["201"] = _accepted()
+    batch["parameters"][0]["schema"]["enum"] = list(OPERATIONS)
+    batch["parameters"].append(IDEMPOTENCY_KEY)
+    results = paths["/v1/jobs/{job_id}/results"]["get"]["responses"]["200"]
+    results["description"] = "What the request would have been answered; of a batch, JSON lines."
+    results["content"] = {FORMATS[form]: {"schema": schema} for form, schema in FORMAT_SCHEMAS.items()}
+    results["content"][LINES] = {"schema": {"type": "string"}}
+
+
+def _accepted() -> Json:
+    """A job was made."""
+    headers = {
+        "Location": {"description": "of its status", "schema": {"type": "string"}},
+        "Preference-Applied": {"description": "the preferences that were honoured", "schema": {"type": "string"}},
+    }
+    content = {"application/json": {"schema": _reference("JobStatus")}}
+    links = {
+        name: {"operationId": name, "parameters": {"job_id": "$response.body#/jobID"}} for name in ("job", "results", "dismiss")
+    }
+    return {"description": "A job: where it is, and how.", "headers": headers, "content": content, "links": links}
 
 
 def _request_content(operation: Operation) -> Json:

@@ -7,6 +7,7 @@ event loop. Tests hold the two to each other: what a model refuses, the domain r
 
 from __future__ import annotations
 
+from datetime import datetime
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue
@@ -231,3 +232,36 @@ class Status(Answer):
     """A word on how the service is."""
 
     status: str
+
+
+class Link(Answer):
+    """Where something is that belongs to a document."""
+
+    href: str
+    rel: str
+    type: str
+    title: str | None = None
+
+
+class JobStatus(Answer):
+    """How a job is, as OGC API - Processes describes it (statusInfo)."""
+
+    jobID: str
+    type: Literal["process"]
+    processID: Annotated[str, Field(description="the operation")]
+    status: Literal["accepted", "running", "successful", "failed", "dismissed"]
+    message: str
+    progress: Annotated[int, Field(ge=0, le=100)]
+    created: datetime
+    started: datetime | None = None
+    updated: datetime
+    finished: datetime | None = None
+    links: list[Link]
+
+
+class JobList(Answer):
+    """Some jobs, newest first; a link with rel next where there are more."""
+
+    jobs: list[JobStatus]
+    next: Annotated[str | None, Field(description="token of the page that follows; absent on the last")] = None
+    links: list[Link]

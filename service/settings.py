@@ -7,6 +7,7 @@ find an address in ``MAT_PORT``. The port belongs to the command that starts the
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -48,6 +49,39 @@ def _level(text: str) -> str:
     return text.lower()
 
 
+def _role(text: str) -> str:
+    """all, api or worker"""
+    if text.lower() not in ("all", "api", "worker"):
+        raise ValueError
+    return text.lower()
+
+
+def _name(text: str) -> str:
+    """up to 64 letters, digits, dots, hyphens and underscores, or nothing at all"""
+    if not re.fullmatch(r"[A-Za-z0-9._-]{0,64}", text):
+        raise ValueError
+    return text
+
+
+def _database(text: str) -> str:
+    """postgresql://USER:PASSWORD@HOST/DATABASE, sqlite:////PATH, or nothing at all"""
+    if text and not re.match(r"(postgresql|sqlite)://", text):
+        raise ValueError
+    return text
+
+
+def _state_folder() -> Path:
+    """Where programs keep what should outlive a restart (XDG base directories); compose and the image say otherwise."""
+    return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "mat-core"
+
+
+def _required_folder(text: str) -> Path:
+    """A folder"""
+    if not text:
+        raise ValueError
+    return Path(text)
+
+
 def _folder(text: str) -> Path | None:
     """A folder, or nothing at all"""
     return Path(text) if text else None
@@ -77,6 +111,22 @@ class Settings:
         What is logged: debug (health checks, too), info (a line a request), warning or error.
     keep_failed_dir : Path or None
         Where the request bodies of not-certified answers are kept, named by content hash; empty: they are not kept.
+    data_dir : Path
+        Where jobs keep bodies and results, and the database unless there is another. All machines need the same one.
+    database_url : str
+        A PostgreSQL database for the rows of jobs; empty: a SQLite file in `data_dir`.
+    role : str
+        all: answers requests and runs jobs; api: makes jobs for others to run; worker: runs jobs for others.
+    executor_id : str
+        The name under which jobs are run; no two machines may have the same. Empty: the host's name.
+    job_deadline_seconds : float
+        Longest time that a job which is no batch may be worked on.
+    job_retention_seconds : float
+        How long jobs are kept after they ended, with their files.
+    batch_chunk : int
+        Domains of a batch that are worked on at a time, and done again after a crash.
+    max_batch_bytes : int
+        Largest body of a batch; each of its lines is held to `max_body_bytes`.
     """
 
     workers: int = field(default=2, metadata={"read": _integer(1, 256)})
@@ -88,6 +138,14 @@ class Settings:
     worker_recycle_requests: int = field(default=10_000, metadata={"read": _integer(0, 1_000_000_000)})
     log_level: str = field(default="info", metadata={"read": _level})
     keep_failed_dir: Path | None = field(default=None, metadata={"read": _folder})
+    data_dir: Path = field(default_factory=_state_folder, metadata={"read": _required_folder})
+    database_url: str = field(default="", metadata={"read": _database}, repr=False)  # it may hold a password
+    role: str = field(default="all", metadata={"read": _role})
+    executor_id: str = field(default="", metadata={"read": _name})
+    job_deadline_seconds: float = field(default=3600.0, metadata={"read": _seconds(0.05, 7 * 86_400)})
+    job_retention_seconds: float = field(default=7 * 86_400.0, metadata={"read": _seconds(1.0, 3650 * 86_400)})
+    batch_chunk: int = field(default=500, metadata={"read": _integer(1, 100_000)})
+    max_batch_bytes: int = field(default=1024 * MIB, metadata={"read": _integer(KIB, 1024 * 1024 * MIB)})
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str] | None = None) -> Settings:

@@ -20,12 +20,14 @@ async def healthz() -> Status:
 
 @router.get("/readyz")
 async def readyz(request: Request) -> Status:
-    """The workers are warm and the queue has room. A failure is a reason to send requests elsewhere for a while."""
+    """The workers are warm, the queue has room, jobs can be stored. If not, send requests elsewhere for a while."""
     pool: Pool = request.app.state.pool
     if not pool.ready:
         raise RequestError("not-ready", _loading(pool), {"failed": pool.load_failed})
     if pool.full:
         raise RequestError("queue-full", "As many requests wait as may wait.")
+    if not await request.app.state.jobs.ready():
+        raise RequestError("store-unavailable", "The job store does not answer; everything but jobs is served.")
     return Status(status="ready")
 
 

@@ -13,6 +13,8 @@ from starlette.requests import ClientDisconnect
 from service.errors import RequestError
 from service.negotiation import FORMATS, check_content, choose_format
 from service.operations import OPERATIONS, Operation
+from service.preferences import read_preferences
+from service.routes import jobs
 from service.settings import Settings
 from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
 
@@ -30,17 +32,21 @@ def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
         pool: Pool = request.app.state.pool
         form = choose_format(f, request.headers.get("accept", "*/*"), operation.formats)
         check_content(request.headers)
-        if pool.refuses(announced_bytes(request)):
+        wishes = read_preferences(request.headers.getlist("prefer"))
+        if not wishes.respond_async and pool.refuses(announced_bytes(request)):
             raise queue_full()  # before its body takes memory here
         body = await read_body(request, settings.max_body_bytes)
+        if wishes.respond_async:
+            return await jobs.submit(request, operation.name, form, body, wishes)
         keep = str(settings.keep_failed_dir) if settings.keep_failed_dir else None
         header = {"operation": operation.name, "format": form, "keep": keep}
-        reply = await _solve_unless_disconnected(request, pool, header, body)
+        reply = await _solve_unless_disconnected(request, pool, header, body, wishes.wait)
         if "error" in reply.header:
             raise RequestError(**reply.header["error"])
         timings = {"queue": 1000 * reply.queue_seconds, **reply.header["timings"]}
         timing = ", ".join(f"{name};dur={value:.3f}" for name, value in timings.items())
-        return Response(reply.body, headers={"Server-Timing": timing, "Vary": "Accept"}, media_type=FORMATS[form])
+        headers = {"Server-Timing": timing, "Vary": "Accept", **wishes.headers}
+        return Response(reply.body, headers=headers, media_type=FORMATS[form])
 
     return solve
 
@@ -81,9 +87,13 @@ async def read_body(request: Request, limit: int) -> bytes:
     return bytes(body)
 
 
-async def _solve_unless_disconnected(request: Request, pool: Pool, header: dict[str, str | None], body: bytes) -> Reply:
+async def _solve_unless_disconnected(
+    request: Request, pool: Pool, header: dict[str, str | None], body: bytes, wait: int | None
+) -> Reply:
     """Wait for the answer and for the client's going away, whichever comes first; the latter frees the worker."""
-    solving = asyncio.create_task(pool.solve(header, body))
+    longest = request.app.state.settings.deadline_seconds
+    deadline = longest if wait is None else min(wait, longest)
+    solving = asyncio.create_task(pool.solve(header, body, deadline_seconds=deadline))
     leaving = asyncio.create_task(_disconnected(request))
     try:
         await asyncio.wait((solving, leaving), return_when=asyncio.FIRST_COMPLETED)

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from service.app import create_app
 from service.errors import ERRORS, MEDIA_TYPE
 from service.negotiation import FORMATS
-from service.openapi import READY_CODES, SOLVE_CODES
+from service.openapi import JOB_CODES, READY_CODES, SOLVE_CODES
 from service.operations import OPERATIONS, Operation
 from service.schemas import DomainRequest
 from service.settings import Settings
@@ -53,13 +53,14 @@ def unused_roots(used: set[str]) -> set[str]:
 
 def test_every_error_is_described_as_a_problem_document() -> None:
     described = [(DOCUMENT["paths"][f"/v1/{name}"]["post"], SOLVE_CODES) for name in OPERATIONS]
+    described += [(DOCUMENT["paths"][path][verb], codes) for path, verbs in JOB_CODES.items() for verb, codes in verbs.items()]
     for operation, codes in (*described, (DOCUMENT["paths"]["/readyz"]["get"], READY_CODES)):
         for code in codes:
             response = operation["responses"][str(ERRORS[code].status)]
             assert list(response["content"]) == [MEDIA_TYPE]
             assert response["content"][MEDIA_TYPE]["examples"][code]["value"]["code"] == code
             assert ("headers" in response) == (ERRORS[code].status == 503)
-    assert set(SOLVE_CODES) | set(READY_CODES) | {"not-found", "method-not-allowed"} == set(ERRORS)
+    assert {code for _, codes in described for code in codes} | set(READY_CODES) | {"method-not-allowed"} == set(ERRORS)
 
 
 def test_no_other_media_type_for_errors_has_slipped_in() -> None:
@@ -93,7 +94,8 @@ def test_every_route_has_its_documents_and_formats(operation: Operation) -> None
 
 
 def test_every_solving_route_is_in_the_table() -> None:
-    assert {path for path in DOCUMENT["paths"] if path.startswith("/v1/")} == {f"/v1/{name}" for name in OPERATIONS}
+    solving = {f"/v1/{name}" for name in OPERATIONS}
+    assert {path for path in DOCUMENT["paths"] if path.startswith("/v1/")} == solving | set(JOB_CODES)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)

@@ -8,6 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -32,9 +33,9 @@ def serving(
     """A client of a service that is ready, and whose process must end with code 0 when asked to."""
     port = free_port()
     where = ("--host", "127.0.0.1", "--port", str(port))
-    process = subprocess.Popen(
-        command + where, cwd=ROOT, env={**os.environ, "MAT_LOG_LEVEL": "warning", **(environment or {})}
-    )
+    state = tempfile.TemporaryDirectory()
+    given = {**os.environ, "XDG_STATE_HOME": state.name, "MAT_LOG_LEVEL": "warning", **(environment or {})}
+    process = subprocess.Popen(command + where, cwd=ROOT, env=given)
     try:
         with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=90) as client:
             wait_until_ready(client, process)
@@ -46,6 +47,7 @@ def serving(
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+        state.cleanup()
     # uvicorn ends by the signal that it was asked with, after an orderly shutdown
     assert process.returncode in (0, -signal.SIGTERM)
 

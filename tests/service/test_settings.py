@@ -23,10 +23,19 @@ def test_every_field_is_read_from_its_variable() -> None:
         "MAT_WORKER_RECYCLE_REQUESTS": "300",
         "MAT_LOG_LEVEL": "Warning",
         "MAT_KEEP_FAILED_DIR": "/tmp/failed",
+        "MAT_DATA_DIR": "/tmp/jobs",
+        "MAT_DATABASE_URL": "postgresql://mat@localhost/mat",
+        "MAT_ROLE": "API",
+        "MAT_EXECUTOR_ID": "mat-1",
+        "MAT_JOB_DEADLINE_SECONDS": "100",
+        "MAT_JOB_RETENTION_SECONDS": "1000",
+        "MAT_BATCH_CHUNK": "10",
+        "MAT_MAX_BATCH_BYTES": "4096",
     }
     assert set(given) == {variable(item.name) for item in fields(Settings)}
     assert Settings.from_environment(given) == Settings(
-        3, 2048, 1.5, 0, 100_000_000, 200_000_000, 300, "warning", Path("/tmp/failed")
+        *(3, 2048, 1.5, 0, 100_000_000, 200_000_000, 300, "warning", Path("/tmp/failed")),
+        *(Path("/tmp/jobs"), "postgresql://mat@localhost/mat", "api", "mat-1", 100.0, 1000.0, 10, 4096),
     )
 
 
@@ -41,6 +50,10 @@ def test_every_field_is_read_from_its_variable() -> None:
         ("MAT_DEADLINE_SECONDS", "inf"),
         ("MAT_LOG_LEVEL", "loud"),
         ("MAT_MAX_BODY_BYTES", "1e6"),
+        ("MAT_DATA_DIR", ""),
+        ("MAT_DATABASE_URL", "mysql://localhost/mat"),
+        ("MAT_ROLE", "boss"),
+        ("MAT_EXECUTOR_ID", "a b"),
     ],
 )
 def test_a_bad_value_is_named_together_with_what_is_expected(name: str, value: str) -> None:

@@ -1,0 +1,81 @@
+"""Calls that block (rows, files) from the event loop: in threads of their own, never for long, with one way to fail."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import ParamSpec, TypeVar
+
+from sqlalchemy import exc
+
+from service.jobs.port import StoreUnavailable
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+THREADS = 8
+"""A database that hangs must not take the threads that files and the framework need."""
+
+ANSWER_SECONDS = 5.0
+"""A question that takes longer counts as not answered; what it changes may still happen."""
+
+RETRY_SECONDS = 0.5
+"""Pause of work that must be recorded, while it cannot be."""
+
+_log = logging.getLogger("service.jobs")
+
+
+class Calls:
+    """The threads, and whether the last call reached the store."""
+
+    def __init__(self) -> None:
+        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="jobs-store")
+        self.up = False
+
+    async def ask(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """The value of a call.
+
+        Raises
+        ------
+        StoreUnavailable
+            The database or the file system refused, or did not answer in time.
+        """
+        future = asyncio.get_running_loop().run_in_executor(self._threads, lambda: function(*args, **kwargs))
+        try:
+            value = await asyncio.wait_for(future, ANSWER_SECONDS)
+        except exc.IntegrityError:
+            raise  # an answer, too
+        except (exc.OperationalError, exc.InterfaceError, exc.InternalError, exc.TimeoutError, TimeoutError, OSError) as error:
+            self._note(False, error)
+            raise StoreUnavailable(str(error)) from error
+        self._note(True)
+        return value
+
+    async def file(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """The value of a call that reads or writes files, however long they are. StoreUnavailable where that fails."""
+        try:
+            return await asyncio.to_thread(function, *args, **kwargs)
+        except OSError as error:
+            raise StoreUnavailable(str(error)) from error
+
+    async def insist(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """The value of a call that is made until it reaches the store."""
+        while True:
+            try:
+                return await self.ask(function, *args, **kwargs)
+            except StoreUnavailable:
+                await asyncio.sleep(RETRY_SECONDS)
+
+    def close(self) -> None:
+        """End the threads that are idle; one that hangs is not waited for."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+
+    def _note(self, up: bool, error: BaseException | None = None) -> None:
+        if up != self.up:
+            self.up = up
+            if up:
+                _log.info("the job store answers")
+            else:
+                _log.error("the job store does not answer: %s", error)

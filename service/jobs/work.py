@@ -1,0 +1,184 @@
+"""What is done with a chunk of a job: read its body, have the pool solve it, store what comes, end the job with its last chunk.
+
+It may be done twice (a killed server, an executor that was thought dead), so every step can be repeated: files are named by
+content, a chunk keeps its first result, and a job that is over stays what it is. While the store is away the work goes on, and
+waits only to be recorded.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from service.errors import RequestError
+from service.jobs.blobs import Blobs
+from service.jobs.calls import Calls
+from service.jobs.port import Job, StoreUnavailable
+from service.jobs.store import Chunk, Enqueue, Store
+from service.settings import Settings
+from service.workers.pool import DeadlineExceeded, Pool, Reply, WorkerCrashed
+
+PROGRESS_SECONDS = 0.5
+"""Pause between two notes of a job's progress."""
+
+CRASHES = 3
+"""A job whose worker ends without an answer this often fails."""
+
+STORING_SECONDS = 60.0
+"""How long storing a result is tried, where the disk is full, say; then the job fails, honestly, as store-unavailable."""
+
+READING_SECONDS = 10.0
+"""How long the file of a body is waited for."""
+
+MESSAGE_CHARACTERS = 300
+"""Of a failure's detail in the status; the whole is in the results."""
+
+PROBLEM = b'{"type":"urn:mat:problem:'
+"""How the result line of a domain that failed begins."""
+
+_log = logging.getLogger("service.jobs")
+
+
+class Work:
+    """The work of one process. `store` is set once it is open."""
+
+    def __init__(self, settings: Settings, pool: Pool, blobs: Blobs, calls: Calls, enqueue: Enqueue) -> None:
+        self._settings, self._pool, self._blobs, self._calls, self._enqueue = settings, pool, blobs, calls, enqueue
+        self.store: Store | None = None
+
+    async def __call__(self, job_id: str, number: int) -> None:
+        """Work on one chunk. Cancelling the call kills the worker."""
+        assert self.store is not None, "work comes from the store"
+        job = await self._calls.insist(self.store.begin, job_id)
+        if job is None:
+            return
+        chunk = await self._calls.insist(self.store.chunk, job_id, number)
+        try:
+            if chunk.result is None:
+                await self._finish_chunk(self.store, job, chunk)
+            await self._finish_job(self.store, job)
+        except RequestError as error:
+            await self._fail(self.store, job, error)
+        except StoreUnavailable as error:
+            failure = RequestError("store-unavailable", f"The results could not be stored: {error}.")
+            await self._fail(self.store, job, failure)
+        except Exception:
+            _log.exception("job %s failed where it must not", job_id)
+            await self._fail(self.store, job, RequestError("internal-error", "An unexpected failure, logged."))
+
+    async def _finish_chunk(self, store: Store, job: Job, chunk: Chunk) -> None:
+        """Compute a chunk's result and note it."""
+        body = await self._read(chunk.body)
+        if job.batch:
+            put, failed = await self._solve_lines(job, chunk, body)
+        else:
+            reply = await self._solve(store, job, body)
+            put, failed = partial(self._blobs.put, reply.body), 0
+        digest = await self._keep(put)
+        await self._calls.insist(store.finish_chunk, job.id, chunk.number, digest, failed, self._enqueue)
+        if not await self._calls.insist(self._blobs.has, digest):
+            await self._keep(put)  # removed with the last other job that had the same result
+
+    async def _read(self, digest: str) -> bytes:
+        """The body of a chunk, which a shared file system may show here a little later than where it was written."""
+        end = time.monotonic() + READING_SECONDS
+        while True:
+            try:
+                return await self._calls.file(self._blobs.read, digest)
+            except StoreUnavailable as error:
+                if time.monotonic() > end:
+                    detail = "The body of the job cannot be read: all executors need the same MAT_DATA_DIR."
+                    raise RequestError("internal-error", detail) from error
+                await asyncio.sleep(1.0)
+
+    async def _solve(self, store: Store, job: Job, body: bytes) -> Reply:
+        """The pool's answer to the one request of a job."""
+        notes = asyncio.Queue[tuple[str, float]]()
+        noting = asyncio.create_task(self._note(store, job, notes))
+        seconds = self._settings.job_deadline_seconds
+        header = self._header(job)
+        try:
+            for crashes in range(1, CRASHES + 1):
+                try:
+                    reply = await self._pool.solve(
+                        header, body, deadline_seconds=seconds, progress=lambda *note: notes.put_nowait(note), job=True
+                    )
+                    break
+                except WorkerCrashed:
+                    if crashes == CRASHES:
+                        raise
+        except DeadlineExceeded:
+            raise RequestError("deadline-exceeded", f"The job took longer than {seconds:g} s and was stopped.") from None
+        except WorkerCrashed:
+            raise RequestError("worker-crashed", f"The work ended without an answer, {CRASHES} times.") from None
+        finally:
+            noting.cancel()
+        if "error" in reply.header:
+            raise RequestError(**reply.header["error"])
+        return reply
+
+    async def _note(self, store: Store, job: Job, notes: asyncio.Queue[tuple[str, float]]) -> None:
+        """Write a worker's reports into the row, the latest only."""
+        while True:
+            stage, fraction = await notes.get()
+            while not notes.empty():
+                stage, fraction = notes.get_nowait()
+            with contextlib.suppress(StoreUnavailable):
+                await self._calls.ask(store.progress, job.id, int(99 * fraction), f"Being worked on: {stage}.")
+            await asyncio.sleep(PROGRESS_SECONDS)
+
+    async def _solve_lines(self, job: Job, chunk: Chunk, body: bytes) -> tuple[Callable[[], str], int]:
+        """The lines of a chunk's result: how to store them, and how many are problems."""
+        lines: list[bytes] = []
+        seconds = self._settings.deadline_seconds
+        results = self._pool.lines(self._header(job), body, first=chunk.first, deadline_seconds=seconds)
+        async with contextlib.aclosing(results):
+            async for line in results:
+                lines.append(line)
+        content = b"".join(line + b"\n" for line in lines)
+        return partial(self._blobs.put, content), sum(line.startswith(PROBLEM) for line in lines)
+
+    def _header(self, job: Job) -> dict[str, Any]:
+        keep: Path | None = self._settings.keep_failed_dir
+        return {"operation": job.operation, "format": job.format, "keep": str(keep) if keep else None}
+
+    async def _keep(self, put: Callable[[], str]) -> str:
+        """Store a result, and again while that fails, for a while."""
+        end = time.monotonic() + STORING_SECONDS
+        while True:
+            try:
+                return await self._calls.file(put)
+            except StoreUnavailable:
+                if time.monotonic() > end:
+                    raise
+                await asyncio.sleep(1.0)
+
+    async def _finish_job(self, store: Store, job: Job) -> None:
+        """Note the progress of a batch, and the end of a job when this was its last chunk."""
+        chunks, finished, domains, failed = await self._calls.insist(store.tally, job.id)
+        if chunks:
+            told = f"{finished} of {domains} domains are finished."
+            await self._calls.insist(store.progress, job.id, 99 * finished // max(domains, 1), told)
+            return
+        told = f"{domains} domains, {failed} of them failed." if job.batch else "Finished."
+        await self._calls.insist(store.finish, job.id, "successful", told)
+
+    async def _fail(self, store: Store, job: Job, error: RequestError) -> None:
+        """End a job with the reason."""
+        content = orjson.dumps({"code": error.code, "detail": error.detail, "extra": error.extra})
+        try:
+            digest = await self._keep(partial(self._blobs.put, content))
+        except StoreUnavailable:
+            digest = None  # the message says what can be said
+        message = f"{error.code}: {error.detail}"[:MESSAGE_CHARACTERS]
+        await self._calls.insist(store.finish, job.id, "failed", message, digest)
+        if digest is not None and not self._blobs.has(digest):
+            await self._keep(partial(self._blobs.put, content))
