@@ -40,7 +40,10 @@ SOLVE_CODES = [code for code in ERRORS if code not in NOT_OF_SOLVING]
 READY_CODES = ["queue-full", "not-ready", "store-unavailable"]
 JOB_CODES = {
     "/v1/jobs": {"get": ["invalid-parameter", "store-unavailable"]},
-    "/v1/jobs/{job_id}": dict.fromkeys(("get", "delete"), ["invalid-parameter", "not-found", "store-unavailable"]),
+    "/v1/jobs/{job_id}": {
+        "get": ["invalid-parameter", "not-found", "store-unavailable"],
+        "delete": ["invalid-parameter", "not-found", "store-unavailable"],
+    },
     "/v1/jobs/{job_id}/results": {"get": [code for code in ERRORS if code not in ("method-not-allowed", "not-ready")]},
     "/v1/batches": {
         "post": [

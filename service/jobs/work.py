@@ -11,10 +11,10 @@ import asyncio
 import contextlib
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import AsyncGenerator, Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import orjson
 
@@ -140,7 +140,7 @@ class Work:
         lines: list[bytes] = []
         seconds = self._settings.deadline_seconds
         results = self._pool.lines(self._header(job), body, first=chunk.first, deadline_seconds=seconds)
-        async with contextlib.aclosing(results):
+        async with contextlib.aclosing(cast("AsyncGenerator[bytes, None]", results)):
             async for line in results:
                 lines.append(line)
         content = b"".join(line + b"\n" for line in lines)
