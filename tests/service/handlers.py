@@ -5,8 +5,13 @@ from __future__ import annotations
 import json
 import os
 import signal
+import stat
 import time
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
+
+from service.workers import wire
 
 
 def preload(progress: Any) -> dict[str, str]:
@@ -17,7 +22,27 @@ def preload(progress: Any) -> dict[str, str]:
 def handle(header: dict[str, Any], body: bytes, report: Any = None) -> tuple[dict[str, Any], bytes]:
     """Do what the body says: ``{"do": name, ...}``."""
     order = json.loads(body[:1000].rstrip(b" "))
-    return {"timings": {"solve": 0.0}, "pid": os.getpid()} | ACTIONS[order["do"]](order, body)[0], body
+    if order["do"] == "again" and not header["unused"]:
+        return {"again": True}, b""
+    if report is not None:
+        report("working", 0.25)
+        report("finishing", 0.75)
+    about = {"timings": {"solve": 0.0}, "pid": os.getpid(), "nice": os.getpriority(os.PRIO_PROCESS, 0)}
+    return about | ACTIONS[order["do"]](order, body)[0], body
+
+
+def handle_lines(header: dict[str, Any], body: bytes, send: Callable[[bytes], None]) -> dict[str, Any]:
+    """Do what each line says; its result tells by whom and under which number."""
+    for number, line in enumerate(body.split(b"\n"), header["first"] + 1):
+        if line.strip():
+            answer, _ = handle(header, line)
+            if "again" in answer:
+                return answer
+            header["unused"] = False
+            order = json.loads(line)
+            result = {"line": number, "pid": os.getpid(), "answers": order, "text": "x" * order.get("size", 0)}
+            send(json.dumps(result).encode())
+    return {}
 
 
 def echo(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
@@ -42,6 +67,31 @@ def fail(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
     raise RuntimeError("a handler that breaks its promise")
 
 
+def half(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
+    """End in the middle of an answer."""
+    channel = next(int(entry.name) for entry in Path("/proc/self/fd").iterdir() if is_socket(entry))
+    head, _ = wire.pack({"resident_bytes": 0, "served": 1}, bytes(1000))
+    os.write(channel, head + bytes(500))
+    os.kill(os.getpid(), signal.SIGKILL)
+    raise AssertionError
+
+
+def is_socket(entry: Path) -> bool:
+    try:
+        return stat.S_ISSOCK(entry.stat().st_mode)
+    except OSError:  # the folder itself, while it is listed
+        return False
+
+
+def crash_once(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
+    """Crash unless somebody did before."""
+    try:
+        os.close(os.open(order["mark"], os.O_CREAT | os.O_EXCL))
+    except FileExistsError:
+        return ({},)
+    return crash(order, body)
+
+
 def grow(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
     """Claim memory and keep it."""
     try:
@@ -57,4 +107,14 @@ def refuse(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
 
 
 KEPT: list[bytearray] = []
-ACTIONS = {"echo": echo, "spin": spin, "crash": crash, "fail": fail, "grow": grow, "refuse": refuse}
+ACTIONS = {
+    "again": echo,
+    "crash": crash,
+    "crash_once": crash_once,
+    "echo": echo,
+    "fail": fail,
+    "grow": grow,
+    "half": half,
+    "refuse": refuse,
+    "spin": spin,
+}

@@ -3,54 +3,20 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import os
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Awaitable, Callable
-from typing import Any
 
 import pytest
 
-from service.settings import MIB, Settings
+from service.settings import MIB
 from service.workers.lanes import LARGE_BODY_BYTES
 from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
 from tests.service.live import ROOT
 from tests.service.processes import alive, descendants, eventually, status
-
-HANDLER = "tests.service.handlers"
-
-
-def order(do: str, padding: int = 0, **content: Any) -> bytes:
-    return json.dumps({"do": do, **content}).encode() + b" " * padding
-
-
-def with_pool(scenario: Callable[[Pool], Awaitable[None]], handler: str = HANDLER, **settings: Any) -> None:
-    """Run a scenario against a running pool, then hold that no process is left."""
-
-    async def run() -> None:
-        pool = Pool(Settings(**{"workers": 2, "deadline_seconds": 20.0, **settings}), handler)
-        async with pool.running():
-            await scenario(pool)
-            seen.update(descendants(os.getpid()) - before)
-
-    before = descendants(os.getpid())
-    seen: set[int] = set()
-    asyncio.run(run())
-    eventually(lambda: not any(alive(pid) for pid in seen))
-
-
-async def eventually_in_loop(condition: Callable[[], bool], seconds: float = 10.0) -> None:
-    async with asyncio.timeout(seconds):
-        while not condition():
-            await asyncio.sleep(0.005)
-
-
-async def pid_of(pool: Pool) -> int:
-    reply = await pool.solve({}, order("echo"))
-    return int(reply.header["pid"])
+from tests.service.workers.scenarios import eventually_in_loop, order, pid_of, with_pool
 
 
 def test_an_answer_comes_back_with_its_body_and_times() -> None:
@@ -198,6 +164,134 @@ def test_a_worker_that_has_grown_is_replaced_after_its_answer() -> None:
         assert await pid_of(pool) != before
 
     with_pool(scenario, workers=1, worker_recycle_bytes=96 * MIB)
+
+
+def test_an_answer_that_is_cut_off_is_no_answer() -> None:
+    async def scenario(pool: Pool) -> None:
+        with pytest.raises(WorkerCrashed):
+            await pool.solve({}, order("half"))
+        assert (await pool.solve({}, order("echo"))).body
+
+    with_pool(scenario)
+
+
+def test_a_worker_is_replaced_after_its_number_of_requests() -> None:
+    async def scenario(pool: Pool) -> None:
+        pids = [await pid_of(pool) for _ in range(9)]
+        assert pids == [pids[0]] * 3 + [pids[3]] * 3 + [pids[6]] * 3
+        assert len(set(pids)) == 3
+        assert pool.stats().kills["recycled"] == 3
+
+    with_pool(scenario, worker_recycle_requests=3)
+
+
+def test_memory_that_ran_out_in_a_used_worker_is_tried_again_in_another() -> None:
+    async def scenario(pool: Pool) -> None:
+        before = await pid_of(pool)
+        assert (await pool.solve({}, order("again"))).header["pid"] != before
+        await eventually_in_loop(lambda: not alive(before))
+        assert pool.stats().kills["memory"] == 1
+
+    with_pool(scenario, workers=1)
+
+
+def test_progress_is_told_to_who_asks() -> None:
+    async def scenario(pool: Pool) -> None:
+        told: list[tuple[str, float]] = []
+        reply = await pool.solve({}, order("echo"), progress=lambda *what: told.append(what))
+        assert told == [("working", 0.25), ("finishing", 0.75)]
+        assert reply.body == order("echo")
+
+    with_pool(scenario)
+
+
+def test_a_small_request_that_takes_long_leaves_the_small_lane() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        long = [asyncio.create_task(pool.solve({}, order("spin", seconds=2.5))) for _ in range(2)]
+        await eventually_in_loop(lambda: pool.stats().running["long"] == 2)
+        reply = await pool.solve({}, order("echo"))
+        assert reply.queue_seconds < 0.5
+        assert not any(task.done() for task in long)
+        assert all(isinstance(reply, Reply) for reply in await asyncio.gather(*long))
+        assert pool.stats().kills["preempted"] == 0
+
+    with_pool(scenario)
+
+
+def test_one_too_many_of_them_begins_again_when_its_turn_comes() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        long = [asyncio.create_task(pool.solve({}, order("spin", seconds=2.5))) for _ in range(2)]
+        await eventually_in_loop(lambda: pool.stats().waiting["long"] == 1)
+        assert pool.stats().kills["preempted"] == 1
+        assert (await pool.solve({}, order("echo"))).queue_seconds < 0.5
+        replies = await asyncio.gather(*long)
+        assert all(reply.body == order("spin", seconds=2.5) for reply in replies)
+
+    with_pool(scenario, workers=1)
+
+
+def test_jobs_take_every_worker_but_one_for_small_requests_and_give_way_to_them() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        usual = os.getpriority(os.PRIO_PROCESS, 0)
+        jobs = [asyncio.create_task(pool.solve({}, order("spin", seconds=0.8), job=True)) for _ in range(5)]
+        await eventually_in_loop(lambda: pool.stats().running["job"] == 2)
+        small = await pool.solve({}, order("echo"))
+        assert small.queue_seconds < 0.5
+        assert small.header["nice"] == usual
+        assert all(reply.header["nice"] > usual for reply in await asyncio.gather(*jobs))
+        assert (await pool.solve({}, order("echo"))).header["nice"] == usual
+
+    with_pool(scenario)
+
+
+def test_a_job_s_deadline_begins_when_a_worker_takes_it() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        spin = order("spin", seconds=0.4)
+        jobs = [asyncio.create_task(pool.solve({}, spin, job=True, deadline_seconds=0.7)) for _ in range(3)]
+        assert all(isinstance(reply, Reply) for reply in await asyncio.gather(*jobs))
+        with pytest.raises(DeadlineExceeded):
+            await pool.solve({}, order("spin", seconds=60), job=True, deadline_seconds=0.3)
+        assert pool.stats().kills["deadline"] == 1
+
+    with_pool(scenario, workers=1)
+
+
+def test_the_kills_are_counted_by_reason() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        for job in (False, True):
+            task = asyncio.create_task(pool.solve({}, order("spin", seconds=60), job=job))
+            await asyncio.sleep(0.2)
+            task.cancel()
+            await asyncio.wait([task])
+        with pytest.raises(WorkerCrashed):
+            await pool.solve({}, order("crash"))
+        stats = pool.stats()
+        assert {reason: count for reason, count in stats.kills.items() if count} == {"disconnect": 1, "dismissed": 1, "crash": 1}
+        assert stats.busy == 0
+        assert stats.waiting == stats.running == {"small": 0, "long": 0, "job": 0}
+        await eventually_in_loop(lambda: pool.stats().idle == 3)
+
+    with_pool(scenario)
+
+
+def test_a_full_long_lane_refuses_no_small_request() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        large = order("spin", seconds=0.5, padding=LARGE_BODY_BYTES)
+        tasks = [asyncio.create_task(pool.solve({}, large)) for _ in range(2)]
+        await eventually_in_loop(lambda: pool.refuses(LARGE_BODY_BYTES + 1))
+        assert not pool.full
+        with pytest.raises(QueueFull):
+            await pool.solve({}, large)
+        await pid_of(pool)
+        await asyncio.gather(*tasks)
+
+    with_pool(scenario, workers=1, queue_limit=1)
 
 
 def test_requests_wait_while_a_nursery_that_cannot_load_is_tried_again() -> None:
