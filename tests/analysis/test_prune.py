@@ -15,7 +15,7 @@ from mat_core.errors import UnsupportedOption
 from tests.analysis.shapes import all_axes, of
 from tests.assertions import Answer
 from tests.curves.shapes import solved
-from tests.families import CATALOGUE, polyline, rectangle
+from tests.families import CATALOGUE, arc, line, polyline, rectangle
 from tests.transforms import restarted, reversed_loops, rotated
 
 RULES: list[dict[str, float]] = [
@@ -231,3 +231,35 @@ def test_samples_of_a_point_are_its_disc() -> None:
 def test_spacings_that_are_none(spacing: float) -> None:
     with pytest.raises(UnsupportedOption):
         prune(solved("rectangle"), angle=1.0).sample(spacing)
+
+
+def finger() -> MedialAxis:
+    """A room, a corridor and a finger off it: the end of the finger is inside the grown disc of the room, not of the corridor."""
+    x, y, r = 1.5, 0.9, 0.065
+    points = [(x - r, y), (x - r, 0.45), (1.0, 0.45), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, -0.45), (2.0, -0.45),
+              (2.0, 0.45), (x + r, 0.45), (x + r, y)]
+    lines = [line(a, b) for a, b in pairwise(points)]
+    return of({"outer": [*lines, arc((x, y), r, 0.0, 0.5 * math.pi), arc((x, y), r, 0.5 * math.pi, math.pi)]})
+
+
+def test_a_finger_goes_that_two_discs_cover_only_together() -> None:
+    assert not any(n.kind == "arc_center" for n in prune(finger(), scale=2.0).nodes)
+
+
+@pytest.mark.parametrize("scale", [1.2, 1.5, 2.0])
+def test_no_disc_at_a_tip_is_inside_any_other_grown_one(scale: float) -> None:
+    for axis in [*all_axes(), finger()]:
+        if not axis.segments:
+            continue
+        pruned = prune(axis, scale=scale)
+        each = np.linspace(0.0, 1.0, 25)
+        every = axis.evaluate(np.repeat(np.arange(len(axis.segments)), 25), np.tile(each, len(axis.segments)))[:, :3]
+        degree = np.bincount([v for s in pruned.segments for v in (s.start_node, s.end_node) if v is not None], minlength=1)
+        for s in pruned.segments:
+            for node, t0, t1 in ((s.start_node, s.t0, s.t1), (s.end_node, s.t1, s.t0)):
+                if node is None or degree[node] != 1:
+                    continue
+                x, y, r = axis.segments[s.segment].evaluate(t0 + 1e-3 * (t1 - t0))
+                larger = every[every[:, 2] > pruned.nodes[node].radius + 1e-9]
+                over = scale * (larger[:, 2] - r) - np.hypot(larger[:, 0] - x, larger[:, 1] - y)
+                assert over.max(initial=-1.0) <= 2e-3 * axis.domain.size, (axis, s, over.max())
