@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.analysis.fitting import Fits, bernstein, fit
-from mat_core.analysis.pieces import bezier_pieces
+from mat_core.analysis.spans import cut_parts
 from mat_core.axis import MedialAxis
 from mat_core.topology.graph import CURVATURE_CENTER
 
@@ -72,7 +72,7 @@ class Envelope:
 
     def __init__(self, axis: MedialAxis, tolerance: float) -> None:
         self.axis = axis
-        self.degree, rows = bezier_pieces(axis)
+        self.degree, rows = cut_parts(axis)
         weight = rows[:, :, 3:]
         self.homogeneous = np.concatenate((rows[:, :, :3] * weight, weight), axis=2)
         self.rows = rows

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.analysis.pieces import bezier_pieces
+from mat_core.analysis.spans import cut_parts
 from mat_core.axis import MedialAxis
 from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.curve import evaluate
@@ -80,7 +80,7 @@ def list_strips(axis: MedialAxis) -> Strips:
     left_s = np.where(back[:, None], s[:, [1, 0]], s[:, [2, 3]])
     begins = np.flatnonzero(np.diff(c.part_strip, prepend=-1) != 0)
     part = np.append(begins, len(c.part_strip))
-    degree, rows = bezier_pieces(axis)
+    degree, rows = cut_parts(axis)
     return Strips(disc, right, left, right_s, left_s, part, degree, rows[:, :, 2], rows[:, :, 3])
 
 

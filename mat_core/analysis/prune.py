@@ -3,10 +3,11 @@
 Only what hangs free is ever cut, so that components and cycles stay as they are. Four rules, each on what the one before left:
 
 scale         the scale axis (J. Giesen, B. Miklos, M. Pauly, C. Wormser, "The scale axis transform", 2009): all discs grown by
-              the factor s, those inside another grown disc go. From a tip inwards a disc goes while it is covered by its inner
-              neighbours, dr/ds > 1/s, by the disc of the node that the segment leads to, or by the best coverer above that node
-              (the disc k up the graph with the largest s r_k - |c - c_k|). Every disc that goes is covered; one that only some
-              disc inside a third segment covers stays, and so does what topology needs.
+              the factor s; those that are not maximal in the union go. From a tip inwards a disc goes while another grown disc
+              has all of its own: that of its inner neighbours, dr/ds > 1/s, of the node that the segment leads to, or of those
+              about that node, up the graph, that reach farthest over the segment: s r_k - |c - c_k| is largest.
+              Every disc that goes is inside a grown disc that stays. The union's own new discs, across gaps that growing has
+              closed, are not discs of the domain and are not drawn: so topology stays.
 angle         from a tip inwards to the first disc whose two footpoints stand at least `angle` apart (the object angle; 180
               degrees less the angle of a corner), small where noise on the boundary makes branches (D. Attali and A. Montanvert,
               1996); or from where the radius falls inwards: a round end is no noise, however narrow the way to it.
@@ -31,12 +32,13 @@ from mat_core.analysis.intervals import Intervals, intersection, joined
 from mat_core.analysis.peeling import Peeling
 from mat_core.analysis.pruned import PrunedAxis, view
 from mat_core.analysis.slopes import slope_intervals, stretches
-from mat_core.analysis.spans import cut_spans
+from mat_core.analysis.spans import Spans, cut_spans
 from mat_core.axis import MedialAxis
 from mat_core.errors import UnsupportedOption
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+
+INSIDE = 7  # discs of each segment that may be best coverers, besides its ends
 
 
 def prune(
@@ -99,39 +101,61 @@ def _check(angle: float | None, length: float | None, radius_ratio: float | None
 
 def _uncovered(axis: MedialAxis, peeling: Peeling, s: float) -> tuple[Intervals, Intervals]:
     """Where segments are kept at scale s, for tips that come from their start and from their end."""
-    roots = peeling.roots()
-    best = _best_coverers(axis, s)
+    discs, rivals = _rivals(axis, s)
+    spans = cut_spans(axis)
     kept = []
-    for ends, nodes, sign in zip(roots, (axis.runs.end_node, axis.runs.start_node), (1, -1), strict=True):
-        above = np.where((nodes >= 0)[:, None], axis.node_discs[best[nodes]] if len(best) else ends, ends)
-        open_ = intersection(slope_intervals(axis, 1.0 / s, sign), _outside(axis, s, ends))
-        kept.append(intersection(open_, _outside(axis, s, above)))
+    for ends, nodes, sign in zip(peeling.roots(), (axis.runs.end_node, axis.runs.start_node), (1, -1), strict=True):
+        open_ = intersection(slope_intervals(axis, 1.0 / s, sign), _outside(axis, spans, s, ends))
+        # what reaches farthest over the start of the way, the middle of it, or its end
+        places = [axis.evaluate(np.arange(len(ends)), np.full(len(ends), t))[:, :3] for t in (0.0, 0.5, 1.0)]
+        found = np.tile(ends, (len(places), 1, 1))
+        for g, node in enumerate(nodes.tolist()):
+            if node < 0:
+                continue
+            own = discs[rivals[node]]
+            for coverer, place in zip(found, places, strict=True):
+                gain = own[:, 2] - np.hypot(own[:, 0] - place[g, 0], own[:, 1] - place[g, 1]) / s
+                coverer[g] = own[int(np.argmax(gain))]
+        for coverer in found:
+            open_ = intersection(open_, _outside(axis, spans, s, coverer))
+        kept.append(open_)
     return kept[0], kept[1]
 
 
-def _best_coverers(axis: MedialAxis, s: float) -> Ints:
-    """(N,) the node up the graph whose grown disc reaches farthest over each node; itself where none does better."""
-    discs = axis.node_discs
-    best = np.arange(len(discs))
-    higher: list[list[int]] = [[] for _ in range(len(discs))]
-    for a, b in zip(axis.runs.start_node.tolist(), axis.runs.end_node.tolist(), strict=True):
-        if a >= 0 and a != b:
+def _rivals(axis: MedialAxis, s: float) -> tuple[Floats, list[list[int]]]:
+    """(discs (K, 3), which of them may cover, grown, what hangs on each node).
+
+    The node itself, its neighbours up the graph with what reaches farthest over them, and discs inside the segments there.
+    """
+    count, segments = len(axis.node_discs), len(axis.curves.degree)
+    inside = axis.evaluate(np.repeat(np.arange(segments), INSIDE), np.tile(np.linspace(0.0, 1.0, INSIDE + 2)[1:-1], segments))
+    discs = np.concatenate((axis.node_discs.reshape(-1, 3), inside[:, :3]))
+    higher: list[list[int]] = [[] for _ in range(count)]
+    beside: list[list[int]] = [[] for _ in range(count)]
+    for g, (a, b) in enumerate(zip(axis.runs.start_node.tolist(), axis.runs.end_node.tolist(), strict=True)):
+        if a < 0:
+            continue
+        own = range(count + g * INSIDE, count + (g + 1) * INSIDE)
+        beside[a] += own
+        if a != b:
+            beside[b] += own
             low, high = (a, b) if discs[a, 2] < discs[b, 2] else (b, a)
             higher[low].append(high)
-    for node in np.argsort(-discs[:, 2], kind="stable").tolist():
-        rivals = np.array([node, *(k for h in higher[node] for k in (h, int(best[h])))])
-        apart = np.hypot(*(discs[rivals, :2] - discs[node, :2]).T)
-        gain = discs[rivals, 2] - apart / s
-        best[node] = rivals[int(np.argmax(gain))]
-    return best
+    best = list(range(count))
+    rivals: list[list[int]] = [[] for _ in range(count)]
+    for node in np.argsort(-discs[:count, 2], kind="stable").tolist():
+        own_rivals = [node, *beside[node], *(k for h in higher[node] for k in (h, best[h], *beside[h]))]
+        apart = np.hypot(*(discs[own_rivals, :2] - discs[node, :2]).T)
+        best[node] = own_rivals[int(np.argmax(discs[own_rivals, 2] - apart / s))]
+        rivals[node] = own_rivals
+    return discs, rivals
 
 
-def _outside(axis: MedialAxis, s: float, coverer: Floats) -> Intervals:
+def _outside(axis: MedialAxis, spans: Spans, s: float, coverer: Floats) -> Intervals:
     """Where the grown discs of a segment are not inside that of its coverer (G, 3), x, y, r in the caller's coordinates.
 
     Covered means r_k - r >= |c - c_k| / s: F = (R - r_k W)^2 - ((X - c_k W)^2 + (Y - ..)^2) / s^2 >= 0 and R <= r_k W.
     """
-    spans = cut_spans(axis)
     disc = coverer * axis.table.scale
     disc[:, :2] -= axis.table.origin * axis.table.scale
     own = spans.rows[:, :, :3] - disc[spans.segment][:, None] * spans.rows[:, :, 3:]

@@ -95,9 +95,9 @@ class PrunedAxis:
     cycles: int
 
     @property
-    def runs(self) -> tuple[tuple[tuple[int, bool], ...], ...]:
-        """Chains of segments through nodes where two end: (index in `segments`, whether travelled with t) in order."""
-        return _runs(self)
+    def chains(self) -> tuple[tuple[tuple[int, bool], ...], ...]:
+        """Segments in a row through nodes where two end: (index in `segments`, whether travelled with t) in order."""
+        return _chains(self)
 
     @property
     def paths(self) -> list[list[RationalBSpline]]:
@@ -109,7 +109,7 @@ class PrunedAxis:
         return curves
 
     def sample(self, spacing: float) -> tuple[Floats, ...]:
-        """Discs along each run, evenly by length on each of its segments.
+        """Discs along each chain, evenly by length on each of its segments.
 
         Parameters
         ----------
@@ -119,7 +119,7 @@ class PrunedAxis:
         Returns
         -------
         tuple of (n, 3) float64
-            Rows x, y, r of each of `runs`; its nodes are among them. Of an axis that is a point, its one disc.
+            Rows x, y, r of each of `chains`; its nodes are among them. Of an axis that is a point, its one disc.
 
         Raises
         ------
@@ -130,11 +130,11 @@ class PrunedAxis:
             raise UnsupportedOption("spacing", f"{spacing} is not a positive length")
         if not self.segments:
             return tuple(np.array([[*n.point, n.radius]]) for n in self.nodes)
-        return tuple(self._along(run, spacing) for run in self.runs)
+        return tuple(self._along(chain, spacing) for chain in self.chains)
 
-    def _along(self, run: tuple[tuple[int, bool], ...], spacing: float) -> Floats:
+    def _along(self, chain: tuple[tuple[int, bool], ...], spacing: float) -> Floats:
         found: list[Floats] = []
-        for i, forward in run:
+        for i, forward in chain:
             kept = self.segments[i]
             segment = self.axis.segments[kept.segment]
             before, length = segment.arc_length(0.0, kept.t0), segment.arc_length(kept.t0, kept.t1)
@@ -221,7 +221,7 @@ def _kind(axis: MedialAxis, node: int | None, degree: int) -> str:
     return "cut" if kind == "branch" else kind
 
 
-def _runs(pruned: PrunedAxis) -> tuple[tuple[tuple[int, bool], ...], ...]:
+def _chains(pruned: PrunedAxis) -> tuple[tuple[tuple[int, bool], ...], ...]:
     """Walk from every end that is no passage, then round what is left."""
     at: dict[int, list[tuple[int, bool]]] = {}
     for i, s in enumerate(pruned.segments):
@@ -232,15 +232,15 @@ def _runs(pruned: PrunedAxis) -> tuple[tuple[tuple[int, bool], ...], ...]:
     out = []
     ends = [h for n in sorted(at) if len(at[n]) != 2 for h in at[n]]
     for step in [*ends, *((i, True) for i in range(len(pruned.segments)))]:
-        run: list[tuple[int, bool]] = []
+        chain: list[tuple[int, bool]] = []
         following: tuple[int, bool] | None = step
         while following is not None and following[0] not in used:
             i, forward = following
             used.add(i)
-            run.append(following)
+            chain.append(following)
             end = pruned.segments[i].end_node if forward else pruned.segments[i].start_node
             onward = at[end] if end is not None else []
             following = next((h for h in onward if h[0] != i), None) if len(onward) == 2 else None
-        if run:
-            out.append(tuple(run))
+        if chain:
+            out.append(tuple(chain))
     return tuple(out)

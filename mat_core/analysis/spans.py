@@ -1,4 +1,4 @@
-"""The curves of an axis cut into Bezier spans, all of one degree, so that questions about them are asked of all at once."""
+"""The curves of an axis cut into Beziers: by their knots, all of one degree, or by the pairs of sides that they pass."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.analysis.bernstein import restrict
+from mat_core.analysis.intervals import Intervals, containing
 from mat_core.axis import MedialAxis
 from mat_core.model.curve import restricted
 
@@ -45,6 +47,36 @@ def cut_spans(axis: MedialAxis) -> Spans:
         chosen = np.nonzero(c.degree[segment] == degree)[0]
         rows[chosen] = raised(_cut(axis, at[chosen], segment[chosen], degree), top)
     return Spans(segment, np.column_stack((c.knots[at], c.knots[at + 1])), rows)
+
+
+def cut_parts(axis: MedialAxis) -> tuple[Ints, Floats]:
+    """Every part of `CurveTable`, in its order, as a Bezier: its own share of the polynomial that may go through several.
+
+    Parameters
+    ----------
+    axis : MedialAxis
+
+    Returns
+    -------
+    degree : (P,) int64
+    rows : (P, largest degree + 1, 4) float64
+        Control discs x, y, r (normalised) and weight, not multiplied; the last one repeated where the degree is lower.
+    """
+    c = axis.curves
+    at, owner = _places(axis)
+    t = np.column_stack((c.knots[at], c.knots[at + 1]))
+    segment = c.part_segment
+    span = containing(Intervals(owner, t), segment, c.part_f[:, :2].mean(axis=1))
+    share = np.clip((c.part_f[:, :2] - t[span, :1]) / (t[span, 1:] - t[span, :1]), 0.0, 1.0)
+    share[share[:, 0] >= share[:, 1]] = 0.0, 1.0
+    degree: Ints = c.degree[segment]
+    rows = np.empty((len(segment), int(c.degree.max(initial=1)) + 1, 4))
+    for p in np.unique(degree).tolist():
+        own = np.flatnonzero(degree == p)
+        cut = restrict(_cut(axis, at[span[own]], segment[own], p), share[own, 0], share[own, 1])
+        cut[..., :3] /= cut[..., 3:]
+        rows[own, : p + 1], rows[own, p + 1 :] = cut, cut[:, -1:]
+    return degree, rows
 
 
 def stretch(axis: MedialAxis, segment: int, t0: float, t1: float) -> tuple[int, Floats, Floats]:

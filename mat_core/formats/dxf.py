@@ -8,6 +8,9 @@ CIRCLE, everything else as the SPLINE that it is, with its clamped knots and its
     nodes       one POINT for each node
     offset      curves that were handed in; the caller may name the layer otherwise
 
+An axis by itself is drawn with all three. Who hands curves in wants those: to cut along an offset or a centerline, nothing else
+may be in the way but the boundary, which shows where they lie. `own` says otherwise.
+
 The drawing has no unit: its numbers are the caller's. Written by ezdxf (extra ``dxf``) as DXF R2000, the oldest version
 with splines, which every program reads; AutoCAD takes splines up to degree 11, other programs up to 25.
 """
@@ -19,6 +22,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from mat_core.errors import UnsupportedOption
 from mat_core.formats.primitives import Arc, Line, Primitive, primitives, rounding
 from mat_core.model.curve import RationalBSpline
 
@@ -39,8 +43,13 @@ GUIDS = ("$VERSIONGUID", "$FINGERPRINTGUID")
 Paths = Iterable[Iterable[RationalBSpline]]
 
 
-def to_dxf(axis: MedialAxis, paths: Paths | Mapping[str, Paths] = (), layer: str = "offset") -> str:
-    """A drawing of boundary, axis, nodes and what was found from them.
+def to_dxf(
+    axis: MedialAxis,
+    paths: Paths | Mapping[str, Paths] | None = None,
+    layer: str = "offset",
+    own: Iterable[str] | None = None,
+) -> str:
+    """A drawing of boundary, axis and nodes, or of what was found from them.
 
     Parameters
     ----------
@@ -49,6 +58,9 @@ def to_dxf(axis: MedialAxis, paths: Paths | Mapping[str, Paths] = (), layer: str
         Further curves, such as the loops of an offset; written in the order given.
     layer : str
         Their layer, where `paths` names none.
+    own : iterable of str, optional
+        Layers of the axis that are drawn, any of ``boundary``, ``axis`` and ``nodes``. All of them if left out; with `paths` the
+        boundary.
 
     Returns
     -------
@@ -59,33 +71,42 @@ def to_dxf(axis: MedialAxis, paths: Paths | Mapping[str, Paths] = (), layer: str
     ------
     ImportError
         ezdxf is not installed.
+    UnsupportedOption
+        `own` names another layer.
     """
-    drawing = _new_drawing()
+    drawn = set(COLOURS if paths is None else ("boundary",)) if own is None else set(own)
+    unknown = sorted(drawn - COLOURS.keys())
+    if unknown:
+        raise UnsupportedOption("own", f"{', '.join(unknown)} is no layer of an axis; {', '.join(COLOURS)} are")
+    drawing = _new_drawing([name for name in COLOURS if name in drawn])
     space = drawing.modelspace()
     tolerance = rounding(axis.domain)
-    arrays = axis.domain.arrays
-    for loop in range(len(arrays.loop_start) - 1):
-        _draw(space, primitives(arrays.loop(loop), tolerance), "boundary")
-    _draw(space, primitives((s.curve for s in axis.segments), tolerance), "axis")
-    for node in axis.nodes:
-        space.add_point(node.point, dxfattribs={"layer": "nodes"})
-    for name, own in (paths if isinstance(paths, Mapping) else {layer: paths}).items():
-        for curves in own:
+    if "boundary" in drawn:
+        arrays = axis.domain.arrays
+        for loop in range(len(arrays.loop_start) - 1):
+            _draw(space, primitives(arrays.loop(loop), tolerance), "boundary")
+    if "axis" in drawn:
+        _draw(space, primitives((s.curve for s in axis.segments), tolerance), "axis")
+    if "nodes" in drawn:
+        for node in axis.nodes:
+            space.add_point(node.point, dxfattribs={"layer": "nodes"})
+    for name, found in (paths if isinstance(paths, Mapping) else {layer: paths or ()}).items():
+        for curves in found:
             if name not in drawing.layers:
                 drawing.layers.add(name, color=RESULT_COLOUR)
             _draw(space, primitives(curves, tolerance), name)
     return _text(drawing)
 
 
-def _new_drawing() -> Any:
-    """An empty drawing with the layers."""
+def _new_drawing(layers: Iterable[str]) -> Any:
+    """An empty drawing with layers of an axis."""
     try:
         import ezdxf
     except ImportError as error:
         raise ImportError("DXF needs the package ezdxf: pip install 'mat-core[dxf]'") from error
     drawing = ezdxf.new(VERSION, units=UNITLESS)  # type: ignore[attr-defined]  # not named in its __all__
-    for name, colour in COLOURS.items():
-        drawing.layers.add(name, color=colour)
+    for name in layers:
+        drawing.layers.add(name, color=COLOURS[name])
     return drawing
 
 

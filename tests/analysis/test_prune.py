@@ -15,7 +15,7 @@ from mat_core.errors import UnsupportedOption
 from tests.analysis.shapes import all_axes, of
 from tests.assertions import Answer
 from tests.curves.shapes import solved
-from tests.families import CATALOGUE, polyline, rectangle
+from tests.families import CATALOGUE, arc, line, polyline, rectangle
 from tests.transforms import restarted, reversed_loops, rotated
 
 RULES: list[dict[str, float]] = [
@@ -74,7 +74,7 @@ def check(axis: MedialAxis, pruned: PrunedAxis) -> None:
         assert (node.kind == "through") == (degree[node.id] == 2)
         assert (node.kind == "branch") == (degree[node.id] > 2)
         assert node.footpoints
-    assert sorted(i for run in pruned.runs for i, _ in run) == list(range(len(pruned.segments)))
+    assert sorted(i for chain in pruned.chains for i, _ in chain) == list(range(len(pruned.segments)))
 
 
 @pytest.mark.parametrize("rule", RULES, ids=str)
@@ -204,21 +204,21 @@ def test_bad_options_are_refused() -> None:
 
 
 @pytest.mark.parametrize("name", ["rectangle", "annulus", "blob_holes", "mixed", "comb"])
-def test_samples_walk_along_the_runs(name: str) -> None:
+def test_samples_walk_along_the_chains(name: str) -> None:
     axis = solved(name)
     pruned = prune(axis, angle=1.8)
     spacing = 0.01 * axis.domain.size
     lines = pruned.sample(spacing)
-    assert len(lines) == len(pruned.runs)
-    for run, line in zip(pruned.runs, lines, strict=True):
-        steps = np.hypot(*np.diff(line[:, :2], axis=0).T)
+    assert len(lines) == len(pruned.chains)
+    for chain, discs in zip(pruned.chains, lines, strict=True):
+        steps = np.hypot(*np.diff(discs[:, :2], axis=0).T)
         assert steps.max() <= spacing * (1.0 + 1e-9)
-        kept = [pruned.segments[i] for i, _ in run]
+        kept = [pruned.segments[i] for i, _ in chain]
         length = sum(axis.segments[s.segment].arc_length(s.t0, s.t1) for s in kept)
         assert steps.sum() == pytest.approx(length, rel=1e-3)
-        found = nearest(axis, line[:, :2])
+        found = nearest(axis, discs[:, :2])
         assert found.distance.max() <= 1e-12 * axis.domain.size
-        assert np.abs(found.radii - line[:, 2]).max() <= 1e-7 * axis.domain.size
+        assert np.abs(found.radii - discs[:, 2]).max() <= 1e-7 * axis.domain.size
 
 
 def test_samples_of_a_point_are_its_disc() -> None:
@@ -231,3 +231,35 @@ def test_samples_of_a_point_are_its_disc() -> None:
 def test_spacings_that_are_none(spacing: float) -> None:
     with pytest.raises(UnsupportedOption):
         prune(solved("rectangle"), angle=1.0).sample(spacing)
+
+
+def finger() -> MedialAxis:
+    """A room, a corridor and a finger off it: the end of the finger is inside the grown disc of the room, not of the corridor."""
+    x, y, r = 1.5, 0.9, 0.065
+    points = [(x - r, y), (x - r, 0.45), (1.0, 0.45), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, -0.45),
+              (2.0, -0.45), (2.0, 0.45), (x + r, 0.45), (x + r, y)]
+    lines = [line(a, b) for a, b in pairwise(points)]
+    return of({"outer": [*lines, arc((x, y), r, 0.0, 0.5 * math.pi), arc((x, y), r, 0.5 * math.pi, math.pi)]})
+
+
+def test_a_finger_goes_that_two_discs_cover_only_together() -> None:
+    assert not any(n.kind == "arc_center" for n in prune(finger(), scale=2.0).nodes)
+
+
+@pytest.mark.parametrize("scale", [1.2, 1.5, 2.0])
+def test_no_disc_at_a_tip_is_inside_any_other_grown_one(scale: float) -> None:
+    for axis in [*all_axes(), finger()]:
+        if not axis.segments:
+            continue
+        pruned = prune(axis, scale=scale)
+        each = np.linspace(0.0, 1.0, 25)
+        every = axis.evaluate(np.repeat(np.arange(len(axis.segments)), 25), np.tile(each, len(axis.segments)))[:, :3]
+        degree = np.bincount([v for s in pruned.segments for v in (s.start_node, s.end_node) if v is not None], minlength=1)
+        for s in pruned.segments:
+            for node, t0, t1 in ((s.start_node, s.t0, s.t1), (s.end_node, s.t1, s.t0)):
+                if node is None or degree[node] != 1:
+                    continue
+                x, y, r = axis.segments[s.segment].evaluate(t0 + 1e-3 * (t1 - t0))
+                larger = every[every[:, 2] > pruned.nodes[node].radius + 1e-9]
+                over = scale * (larger[:, 2] - r) - np.hypot(larger[:, 0] - x, larger[:, 1] - y)
+                assert over.max(initial=-1.0) <= 2e-3 * axis.domain.size, (axis, s, over.max())

@@ -11,7 +11,7 @@ import ezdxf
 import numpy as np
 import pytest
 
-from mat_core import MedialAxis
+from mat_core import MedialAxis, UnsupportedOption
 from mat_core.formats.dxf import COLOURS, to_dxf
 from mat_core.model.curve import RationalBSpline
 from tests.curves.shapes import solved
@@ -122,6 +122,30 @@ def test_further_curves_have_their_layer(layer: str) -> None:
     drawing = read(to_dxf(axis, ring, layer))
     assert Counter(entity.dxftype() for entity in on(drawing, layer)) == {"LINE": 4, "CIRCLE": 1}
     assert not drawing.audit().errors
+
+
+@pytest.mark.parametrize(
+    ("own", "layers"),
+    [
+        (None, {"boundary", "offset"}),
+        ((), {"offset"}),
+        (("axis", "nodes"), {"axis", "nodes", "offset"}),
+        (tuple(COLOURS), {*COLOURS, "offset"}),
+    ],
+)
+def test_a_result_is_drawn_over_the_boundary_unless_told_otherwise(own: tuple[str, ...] | None, layers: set[str]) -> None:
+    axis = solved("ell")
+    drawing = read(to_dxf(axis, [axis.domain.outer], own=own))
+    assert {entity.dxf.layer for entity in drawing.modelspace()} == layers
+    assert {layer.dxf.name for layer in drawing.layers} >= layers
+    assert not {layer.dxf.name for layer in drawing.layers} & (COLOURS.keys() - layers)
+    # an empty result is a result
+    assert {entity.dxf.layer for entity in read(to_dxf(axis, [])).modelspace()} == {"boundary"}
+
+
+def test_layers_that_are_none() -> None:
+    with pytest.raises(UnsupportedOption, match="own"):
+        to_dxf(solved("ell"), own=("axes",))
 
 
 def test_one_axis_one_text() -> None:
