@@ -124,7 +124,7 @@ def _find_discs(
 
     parent = np.arange(n + n_extra)
     won = np.empty(n, dtype=np.bool_)
-    unite_at_joints(t.si, disc, kind, winner, winner_s, parent, won, tolerances.same_disc, tolerances.same_crossed)
+    unite_at_joints(t.si, t.sf, disc, kind, winner, winner_s, parent, won, tolerances.same_disc, tolerances.same_crossed)
     who = np.nonzero(won)[0]
     more = np.arange(n, n + n_extra)
     site = np.concatenate((np.arange(n), winner[who], extra_site[:n_extra, 0], extra_site[:n_extra, 1]))
@@ -146,7 +146,7 @@ def _find_discs(
     unite_interleaved(disc, full_kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerances.same_crossed)
     while True:
         group_contacts(owner, alive, parent, first, member_next, last)
-        united = unite_crossed(t.si, disc, site, s, owner, angle, order, alive, parent, first, member_next, last,
+        united = unite_crossed(t.si, t.sf, disc, site, s, owner, angle, order, alive, parent, first, member_next, last,
                                tolerances.same_crossed, tolerances.same_disc)
         order = order[alive[order]]
         if united == 0:

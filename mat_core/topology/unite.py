@@ -14,10 +14,29 @@ import math
 
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner, jit
-from mat_core.kernels.layout import ARC, ARC_CONTACT, CURVATURE_LEAF, K0, KIND, KNOWN, LEN, LOOP, NEXT, PREV, THROUGH, VERTEX_LEAF
+from mat_core.kernels.layout import (
+    ARC,
+    ARC_CONTACT,
+    CURVATURE_LEAF,
+    FAN,
+    K0,
+    KIND,
+    KNOWN,
+    LEN,
+    LOOP,
+    NEXT,
+    PREV,
+    THROUGH,
+    TX0,
+    TX1,
+    TY0,
+    TY1,
+    VERTEX_LEAF,
+)
 
 COORDINATE = 2.3e-16  # rounding of a normalised coordinate
 FLATTEST = 1e-7  # no arc's circle is believed to be worse than this
+MISSED = 1e-12  # a disc this near to its contacts touches them
 ANGLE_NEAR = 1e-5  # contacts nearer than this around a centre are ordered along the boundary, not by angle
 
 
@@ -50,6 +69,18 @@ def arc_noise(si, sf, i):
     return min(16.0 * COORDINATE / (flat * flat), FLATTEST)
 
 
+@inner
+def kink(si, sf, joint):
+    """By how much the boundary turns at a smooth joint, radians; 0 at a fan.
+
+    The normal there may be any one in between: so far from each other are discs, over their radius, that are one.
+    """
+    before = si[joint, PREV]
+    if si[joint, KIND] == FAN or si[before, KIND] == FAN:
+        return 0.0
+    return abs(sf[before, TX1] * sf[joint, TY0] - sf[before, TY1] * sf[joint, TX0])
+
+
 @jit
 def same_disc(disc, a, b, tolerance):
     """Centre and radius agree."""
@@ -59,7 +90,7 @@ def same_disc(disc, a, b, tolerance):
 
 
 @jit
-def unite_at_joints(si, disc, kind, winner, winner_s, parent, alive, tight, loose):
+def unite_at_joints(si, sf, disc, kind, winner, winner_s, parent, alive, tight, loose):
     """Unite discs whose winner is another joint (exactly, or by disc identity), and chains of arcs on one circle.
 
     `alive[d]` becomes False where the winner of disc d is the contact of another disc's joint.
@@ -81,7 +112,8 @@ def unite_at_joints(si, disc, kind, winner, winner_s, parent, alive, tight, loos
             joint = w if end == 0 else si[w, NEXT]
             exact = (s <= 0.0 and end == 0) or (s >= 1.0 and end == 1)
             leaf = kind[joint] == VERTEX_LEAF or kind[joint] == CURVATURE_LEAF
-            if not leaf and same_disc(disc, d, joint, loose if exact else tight):
+            near = loose + disc[d, 2] * kink(si, sf, joint) if exact else tight
+            if not leaf and same_disc(disc, d, joint, near):
                 unite(parent, d, joint)
                 alive[d] = False
                 break
@@ -161,11 +193,11 @@ def _merge(parent, first, member_next, last, da, db):
 
 @jit
 def recentre(si, sf, cp, disc, kind, site, s, owner, spread):
-    """Discs in contact with several short arcs become the circle through three of their contacts.
+    """Discs in contact with several short arcs, and those united beyond rounding, become the circle through three contacts.
 
-    The circle of an arc of length l is known to 1e-16 (r / l)^2 only, that through contacts all around to rounding. `spread`
-    (discs, 8): scratch: longest arc; then x, y of three contacts, first the first one, each next one farthest from those before;
-    what is largest so far.
+    The circle of an arc of length l is known to 1e-16 (r / l)^2 only, that through contacts all around to rounding. Discs that
+    were united though they differ are all wrong a little. `spread` (discs, 8): scratch: longest arc, or by how much a contact is
+    missed; then x, y of three contacts, first the first one, each next one farthest from those before; what is largest so far.
     """
     n = site.shape[0]
     for d in range(disc.shape[0]):
@@ -175,12 +207,15 @@ def recentre(si, sf, cp, disc, kind, site, s, owner, spread):
     for step in range(3):
         for c in range(n):
             d = owner[c]
-            if kind[d] != ARC_CONTACT:
+            if kind[d] != ARC_CONTACT and (kind[d] != THROUGH or step > 0 and spread[d, 0] < MISSED):
                 continue
             x, y, tx, ty, k, speed = evaluate(si, sf, cp, site[c], s[c], 0.0, 0.0)
             far = 0.0 if spread[d, 7] < 0.0 else -1.0
             if step == 0:
-                if si[site[c], KIND] == ARC:
+                if kind[d] == THROUGH:
+                    miss = abs(math.sqrt((x - disc[d, 0]) ** 2 + (y - disc[d, 1]) ** 2) - disc[d, 2])
+                    spread[d, 0] = max(spread[d, 0], miss)
+                elif si[site[c], KIND] == ARC:
                     spread[d, 0] = max(spread[d, 0], sf[site[c], LEN])
             else:
                 far = math.sqrt((x - spread[d, 1]) ** 2 + (y - spread[d, 2]) ** 2)
@@ -194,7 +229,8 @@ def recentre(si, sf, cp, disc, kind, site, s, owner, spread):
             if step < 2:
                 spread[d, 7] = 0.0
     for d in range(disc.shape[0]):
-        if kind[d] != ARC_CONTACT or spread[d, 7] < 0.5 * disc[d, 2] or spread[d, 0] > 0.1 * disc[d, 2]:
+        known = kind[d] == THROUGH and spread[d, 0] < MISSED or kind[d] == ARC_CONTACT and spread[d, 0] > 0.1 * disc[d, 2]
+        if kind[d] != ARC_CONTACT and kind[d] != THROUGH or known or spread[d, 7] < 0.5 * disc[d, 2]:
             continue
         bx = spread[d, 3] - spread[d, 1]
         by = spread[d, 4] - spread[d, 2]
@@ -264,7 +300,7 @@ def unite_interleaved(disc, kind, site, s, angle, sweep, by_sweep, parent, first
 
 
 @jit
-def unite_crossed(si, disc, site, s, owner, angle, order, alive, parent, first, member_next, last, tolerance, tight):
+def unite_crossed(si, sf, disc, site, s, owner, angle, order, alive, parent, first, member_next, last, tolerance, tight):
     """Unite discs whose contacts interleave; of two contacts that became one the second dies. Returns how many were united.
 
     `order`: contacts along the loops. First, last, member_next: linked lists of the contacts of each united disc.
@@ -285,7 +321,9 @@ def unite_crossed(si, disc, site, s, owner, angle, order, alive, parent, first, 
         if da == db:  # a disc touches a site once
             alive[a if s[b] == 0.0 else b] = False
             continue
-        if not same_disc(disc, da, db, tolerance):
+        at_joint = b if s[b] == 0.0 else a
+        bend = kink(si, sf, site[at_joint]) if s[at_joint] == 0.0 else 0.0
+        if not same_disc(disc, da, db, tolerance + disc[da, 2] * bend):
             continue
         cut = 0.5 * (angle[a] + angle[b]) + math.pi
         if not same_disc(disc, da, db, tight) and not interleaved(site, s, angle, member_next, first, da, db, cut):
