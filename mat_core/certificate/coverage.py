@@ -11,13 +11,12 @@ and no branch can be missing at a disc, nor one be there twice.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
 
-import numpy as np
-
-from mat_core.boundary.sites import SiteTable
-from mat_core.certificate.inputs import Discs, Floats, Ints
-from mat_core.certificate.report import Report
+from mat_core.certificate.report import BOUNDARY, COVERAGE, NEIGHBOURS, TURNING, WHOLE_ARCS, fault, made, worst
+from mat_core.kernels.curve import edge_parameter, evaluate
+from mat_core.kernels.jit import inner
+from mat_core.kernels.judge_spline import spline_value
 from mat_core.kernels.layout import (
     ARC,
     CONVEX_VERTEX,
@@ -42,160 +41,243 @@ from mat_core.kernels.layout import (
     Y0,
     Y1,
 )
-from mat_core.kernels.rows import edge_parameters, frames_at, spline_values
-from mat_core.model.domain import Domain
 
 NEARLY_SMOOTH = 0.1  # a joint without a vertex turns by less than this
 ON_PIECE = 0.47  # where a piece is compared with the input's edge
 
 
-class Owned(NamedTuple):
-    """Intervals of the boundary that belong to a strip's side or to a whole contact, sorted by site and along it.
+@inner
+def owned(k, m):
+    """(site, lo, hi, disc at lo, disc at hi) of interval m: right sides of strips, then left ones, then whole contacts."""
+    strips = k.strip_i.shape[0]
+    if m < strips:
+        return k.strip_i[m, 0], k.strip_s[m, 0], k.strip_s[m, 1], k.strip_i[m, 2], k.strip_i[m, 3]
+    m -= strips
+    if m < strips:
+        return k.strip_i[m, 1], k.strip_s[m, 3], k.strip_s[m, 2], k.strip_i[m, 3], k.strip_i[m, 2]
+    m -= strips
+    return k.whole_i[m, 0], k.whole_s[m, 0], k.whole_s[m, 1], k.whole_i[m, 1], k.whole_i[m, 1]
 
-    site, lo, hi; the discs at lo and at hi.
+
+@inner
+def list_owned(k, first, order, spare, key):
+    """Sort all owned intervals by site and along it: those of site i are order[first[i]:first[i + 1]].
+
+    By the middle, so that ends that differ by rounding do not change the order.
     """
+    sites = first.shape[0] - 1
+    for i in range(sites + 1):
+        first[i] = 0
+    for m in range(order.shape[0]):
+        site, lo, hi, disc_lo, disc_hi = owned(k, m)
+        key[m] = lo + hi
+        first[site + 1] += 1
+    for i in range(sites):
+        first[i + 1] += first[i]
+    for m in range(order.shape[0] - 1, -1, -1):
+        # from behind: first[i + 1] is where the intervals of site i end, then where they begin
+        site, lo, hi, disc_lo, disc_hi = owned(k, m)
+        first[site + 1] -= 1
+        order[first[site + 1]] = m
+    for i in range(sites):
+        first[i] = first[i + 1]
+    first[sites] = order.shape[0]
+    for i in range(sites):
+        _sort(key, order, spare, first[i], first[i + 1])
+        begin = first[i]
+        while begin < first[i + 1]:
+            end = begin + 1
+            while end < first[i + 1] and _same_point(k, order[begin], order[end]):
+                end += 1
+            if end > begin + 1:
+                _chain(k, order, spare, begin, end)
+            begin = end
 
-    site: Ints
-    lo: Floats
-    hi: Floats
-    disc_lo: Ints
-    disc_hi: Ints
+
+@inner
+def _sort(key, order, spare, begin, end):
+    """Sort order[begin:end] by key, equal ones as they were (merge sort)."""
+    width = 1
+    while width < end - begin:
+        for left in range(begin, end, 2 * width):
+            middle = min(left + width, end)
+            right = min(middle + width, end)
+            a = left
+            b = middle
+            for place in range(left, right):
+                if b >= right or (a < middle and key[order[a]] <= key[order[b]]):
+                    spare[place] = order[a]
+                    a += 1
+                else:
+                    spare[place] = order[b]
+                    b += 1
+        for place in range(begin, end):
+            order[place] = spare[place]
+        width *= 2
 
 
-def list_owned(skeleton: Discs) -> Owned:
-    """All owned intervals."""
-    i, s, wi, ws = skeleton.strip_i, skeleton.strip_s, skeleton.whole_i, skeleton.whole_s
-    rows = np.concatenate((i[:, [0, 2, 3]], i[:, [1, 3, 2]], wi[:, [0, 1, 1]]))
-    ends = np.concatenate((s[:, :2], s[:, [3, 2]], ws))
-    # by the middle, so that ends that differ by rounding do not change the order
-    order = np.lexsort((ends[:, 0] + ends[:, 1], rows[:, 0]))
-    place = np.stack((rows[order, 0], ends[order, 0], ends[order, 1]))
-    again = np.flatnonzero((place[:, 1:] == place[:, :-1]).all(axis=0) & (place[1, 1:] == place[2, 1:]))
-    for group in np.split(again, np.flatnonzero(np.diff(again) > 1) + 1) if len(again) else ():
-        members = order[group[0] : group[-1] + 2]
-        order[group[0] : group[-1] + 2] = _chained(members, rows[members, 1].tolist(), rows[members, 2].tolist())
-    site, disc_lo, disc_hi = rows[order].T.copy()
-    lo, hi = ends[order].T.copy()
-    return Owned(site, lo, hi, disc_lo, disc_hi)
+@inner
+def _same_point(k, a, b):
+    """Whether two intervals are one point of the same site."""
+    site_a, lo_a, hi_a, disc_lo, disc_hi = owned(k, a)
+    site_b, lo_b, hi_b, disc_lo, disc_hi = owned(k, b)
+    return lo_a == hi_a == lo_b == hi_b and site_a == site_b
 
 
-def _chained(members: Ints, disc_lo: list[int], disc_hi: list[int]) -> Ints:
-    """Intervals of no length at one point, which have no order of their own, such that each begins at the disc the last one ended
-    at; as they were where that leaves some over.
+@inner
+def _chain(k, order, spare, begin, end):
+    """Intervals of no length at one point have no order of their own: each follows the one that ended at its disc.
+
+    They stay as they were where that leaves some over.
     """
-    begun = {disc: k for k, disc in enumerate(disc_lo)}
-    k = next((k for k, disc in enumerate(disc_lo) if disc not in disc_hi), -1)
-    chain: list[int] = []
-    while k >= 0 and len(chain) < len(members):
-        chain.append(k)
-        k = begun.get(disc_hi[k], -1)
-    return members[chain] if len(chain) == len(members) else members
+    for place in range(begin, end):
+        spare[place] = order[place]
+    wanted = -1
+    for place in range(begin, end):
+        chosen = -1
+        for other in range(place, end):
+            site, lo, hi, disc_lo, disc_hi = owned(k, order[other])
+            follows = disc_lo == wanted
+            if place == begin:
+                # the first one is that at whose beginning no other ends
+                follows = True
+                for before in range(begin, end):
+                    if owned(k, order[before])[4] == disc_lo:
+                        follows = False
+            if follows:
+                chosen = other
+                wanted = disc_hi
+                break
+        if chosen < 0:
+            for back in range(begin, end):
+                order[back] = spare[back]
+            return
+        held = order[place]
+        order[place] = order[chosen]
+        order[chosen] = held
 
 
-def _turn(ax: Floats, ay: Floats, bx: Floats, by: Floats) -> Floats:
-    """Angles from directions a to directions b."""
-    angle: Floats = np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
-    return angle
+@inner
+def _turn(ax, ay, bx, by):
+    """Angle from direction a to direction b."""
+    return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
 
 
-def check_boundary(t: SiteTable, report: Report) -> Floats:
-    """Loops close and turn once around, by +2 pi or, holes, by -2 pi; returns the turn at each smooth joint."""
-    si, sf = t.si, t.sf
-    before = si[:, PREV]
-    last = sf[before]
-    joint = sf[:, [X0, Y0]]
-    gap = np.hypot(last[:, X1] - joint[:, 0], last[:, Y1] - joint[:, 1])
-    count = np.diff(t.loop_start)
-    cyclic = np.arange(len(si)) - 1
-    cyclic[t.loop_start[:-1]] += count
-    gap[(before != cyclic) | (si[cyclic, NEXT] != np.arange(len(si)))] = np.inf
-    report.worst("boundary", gap, joint)
-
-    kind = si[:, KIND]
-    at_joint = _turn(last[:, TX1], last[:, TY1], sf[:, TX0], sf[:, TY0])
-    corner = si[:, CORNER] == CONVEX_VERTEX
-    at_joint[corner & (at_joint < -0.5 * np.pi)] += 2.0 * np.pi
-    inside = np.where(
-        kind == SPIRAL, _turn(sf[:, TX0], sf[:, TY0], sf[:, TX1], sf[:, TY1]), np.where(kind == LINE, 0.0, sf[:, SWEEP])
-    )
-    total: Floats = np.bincount(si[:, LOOP], weights=at_joint + inside, minlength=len(count)).astype(np.float64)
-    total[0] -= 2.0 * np.pi
-    total[1:] += 2.0 * np.pi
-    report.worst("turning", np.abs(total), joint[t.loop_start[:-1]])
-    smooth = np.where(corner, 0.0, np.abs(at_joint))
-    report.worst("turning", np.where(smooth > NEARLY_SMOOTH, smooth, 0.0), joint)
-    return smooth
-
-
-def check_edges(t: SiteTable, domain: Domain, report: Report) -> None:
-    """Every piece lies on the input's edge that it names, at the parameter that it names."""
-    a = domain.arrays
-    site = np.flatnonzero(t.si[:, KIND] != FAN)
-    s = np.full(len(site), ON_PIECE)
-    frame = np.empty((len(site), 4))
-    frames_at(t.si, t.sf, t.cp, site, s, frame)
-    u = np.empty(len(site))
-    edge_parameters(t.si, t.sf, t.cp, site, s, u)
-    edge = a.loop_start[t.si[site, LOOP]] + t.si[site, EDGE]
-    point = np.empty((len(site), 2))
-    spline_values(
-        a.degree, a.knot_start, a.knots, a.cp_start, a.cp, 2, edge, u, np.empty((int(a.degree.max()) + 1, 3)), point
-    )
-    off = (point - t.origin) * t.scale - frame[:, :2]
-    report.worst("boundary", np.hypot(off[:, 0], off[:, 1]), frame)
+@inner
+def check_boundary(t, turn, figures):
+    """Loops close and turn once around, by +2 pi or, holes, by -2 pi; fills the turn at each smooth joint."""
+    si = t.si
+    sf = t.sf
+    for loop in range(t.loop_start.shape[0] - 1):
+        first = t.loop_start[loop]
+        last = t.loop_start[loop + 1] - 1
+        total = -2.0 * math.pi if loop == 0 else 2.0 * math.pi
+        for i in range(first, last + 1):
+            x = sf[i, X0]
+            y = sf[i, Y0]
+            before = i - 1 if i > first else last
+            gap = math.sqrt((sf[before, X1] - x) ** 2 + (sf[before, Y1] - y) ** 2)
+            if si[i, PREV] != before or si[before, NEXT] != i or si[i, LOOP] != loop:
+                gap = math.inf
+            worst(figures, BOUNDARY, gap, x, y)
+            at_joint = _turn(sf[before, TX1], sf[before, TY1], sf[i, TX0], sf[i, TY0])
+            corner = si[i, CORNER] == CONVEX_VERTEX
+            if corner and at_joint < -0.5 * math.pi:
+                at_joint += 2.0 * math.pi
+            inside = sf[i, SWEEP]
+            if si[i, KIND] == LINE:
+                inside = 0.0
+            elif si[i, KIND] == SPIRAL:
+                inside = _turn(sf[i, TX0], sf[i, TY0], sf[i, TX1], sf[i, TY1])
+            total += at_joint + inside
+            turn[i] = 0.0 if corner else abs(at_joint)
+            if turn[i] > NEARLY_SMOOTH:
+                worst(figures, TURNING, turn[i], x, y)
+        worst(figures, TURNING, abs(total), sf[first, X0], sf[first, Y0])
 
 
-def check_coverage(t: SiteTable, disc: Floats, owned: Owned, report: Report) -> None:
+@inner
+def check_edges(t, e, ox, oy, scale, work, figures):
+    """Every piece lies on the input's edge that it names, at the parameter that it names; work: (d + 1, 3) or more."""
+    loops = e.loop_start.shape[0] - 1
+    for i in range(t.si.shape[0]):
+        if t.si[i, KIND] == FAN:
+            continue
+        x, y, tx, ty, curvature, speed = evaluate(t.si, t.sf, t.cp, i, ON_PIECE, 0.0, 0.0)
+        loop = t.si[i, LOOP]
+        edge = t.si[i, EDGE]
+        if not (0 <= loop < loops and 0 <= edge < e.loop_start[loop + 1] - e.loop_start[loop]):
+            worst(figures, BOUNDARY, math.inf, x, y)
+            continue
+        u = edge_parameter(t.si, t.sf, t.cp, i, ON_PIECE)
+        spline_value(e.degree, e.knot_start, e.knots, e.cp_start, e.cp, 2, e.loop_start[loop] + edge, u, work)
+        dx = (work[0, 0] - ox) * scale - x
+        dy = (work[0, 1] - oy) * scale - y
+        worst(figures, BOUNDARY, math.sqrt(dx * dx + dy * dy), x, y)
+
+
+@inner
+def check_coverage(t, k, first, order, figures):
     """No gap, no overlap, and one disc where two intervals meet."""
-    si, sf = t.si, t.sf
-    site, lo, hi, disc_lo, disc_hi = owned
-    n = len(si)
-    count = np.bincount(site, minlength=n)
-    after = np.cumsum(count)
-    first = after - count
-    starts = sf[:, [X0, Y0]]
-    ends = sf[:, [X1, Y1]]
+    si = t.si
+    sf = t.sf
+    bare = 0
+    for i in range(si.shape[0]):
+        x = sf[i, X0]
+        y = sf[i, Y0]
+        if first[i] == first[i + 1]:
+            bare += 1
+            worst(figures, COVERAGE, max(sf[i, LEN], abs(sf[i, SWEEP])), x, y)
+            fault(figures, NEIGHBOURS, 1, x, y)
+            continue
+        length = sf[i, LEN]
+        reached = 0.0
+        for place in range(first[i], first[i + 1]):
+            site, lo, hi, disc_lo, disc_hi = owned(k, order[place])
+            # a length for a part of a site: on a fan that of the way of the disc's centre
+            if si[i, KIND] == FAN:
+                length = abs(sf[i, SWEEP]) * k.disc[disc_lo, 2]
+            worst(figures, COVERAGE, abs(lo - reached) * length, x, y)
+            worst(figures, COVERAGE, (lo - hi) * length, x, y)
+            reached = hi
+        worst(figures, COVERAGE, abs(1.0 - reached) * length, sf[i, X1], sf[i, Y1])
+    fault(figures, NEIGHBOURS, 0, 0.0, 0.0)
+    for i in range(si.shape[0] if bare == 0 else 0):
+        for place in range(first[i], first[i + 1]):
+            following = place + 1 if place + 1 < first[i + 1] else first[si[i, NEXT]]
+            disc = owned(k, order[place])[4]
+            if disc != owned(k, order[following])[3]:
+                fault(figures, NEIGHBOURS, 1, k.disc[disc, 0], k.disc[disc, 1])
 
-    # a length for a part of a site: on a fan that of the way of the disc's centre
-    length = np.where(si[site, KIND] == FAN, np.abs(sf[site, SWEEP]) * disc[disc_lo, 2], sf[site, LEN])
-    reached = np.empty(len(site))
-    reached[1:] = hi[:-1]
-    has = count > 0
-    reached[first[has]] = 0.0
-    report.worst("coverage", np.abs(lo - reached) * length, starts[site])
-    report.worst("coverage", (lo - hi) * length, starts[site])
-    final = after[has] - 1
-    report.worst("coverage", np.abs(1.0 - hi[final]) * length[final], ends[site[final]])
-    report.worst("coverage", np.where(has, 0.0, np.maximum(sf[:, LEN], np.abs(sf[:, SWEEP]))), starts)
 
-    if has.all():
-        # the interval that follows each one: the next of its site, or the first of the next site
-        following = np.arange(1, len(site) + 1)
-        following[after - 1] = first[si[:, NEXT]]
-        report.faults("neighbours", disc_hi != disc_lo[following], disc[disc_hi])
-    else:
-        report.faults("neighbours", ~has, starts)
-
-
-def check_whole(t: SiteTable, skeleton: Discs, report: Report) -> None:
+@inner
+def check_whole(t, k, figures):
     """An arc in whole contact lies on its disc's circle, at both ends, in the middle and in between, unless it is tiny.
 
     Its distance from that circle is a sine of amplitude `away`, the distance of the centres: between three points in a turn of
     `sweep` it can rise by away (1 - cos(sweep / 4)). The centres themselves may differ more, where the arc is short.
     """
-    site, owner = skeleton.whole_i.T.copy()  # rows of their own: kernels are compiled anew for strided arrays
-    row = t.sf[site]
-    disc = skeleton.disc[owner]
-    begin, end = skeleton.whole_s.T
-    arc = (t.si[site, KIND] == ARC) & (row[:, K0] > 0.0)
-    rho = 1.0 / np.where(arc, row[:, K0], 1.0)
-    away = np.hypot(row[:, X0] - rho * row[:, TY0] - disc[:, 0], row[:, Y0] + rho * row[:, TX0] - disc[:, 1])
-    off = away * (1.0 - np.cos(0.25 * np.minimum(np.abs((end - begin) * row[:, SWEEP]), np.pi)))
-    frame = np.empty((len(site), 4))
-    farthest = np.zeros(len(site))
-    for share in (0.0, 0.5, 1.0):
-        frames_at(t.si, t.sf, t.cp, site, begin + share * (end - begin), frame)
-        reached = np.hypot(frame[:, 0] - disc[:, 0], frame[:, 1] - disc[:, 1])
-        farthest = np.maximum(farthest, np.abs(reached - disc[:, 2]))
-    off = np.where(arc & (away < rho), off + farthest, np.inf)
-    report.worst("whole_arcs", np.minimum(off, np.abs((end - begin) * row[:, LEN])), disc)
+    made(figures, WHOLE_ARCS)
+    sf = t.sf
+    for m in range(k.whole_i.shape[0]):
+        i = k.whole_i[m, 0]
+        x = k.disc[k.whole_i[m, 1], 0]
+        y = k.disc[k.whole_i[m, 1], 1]
+        r = k.disc[k.whole_i[m, 1], 2]
+        begin = k.whole_s[m, 0]
+        share = abs(k.whole_s[m, 1] - begin)
+        off = math.inf
+        if t.si[i, KIND] == ARC and sf[i, K0] > 0.0:
+            rho = 1.0 / sf[i, K0]
+            away = math.sqrt((sf[i, X0] - rho * sf[i, TY0] - x) ** 2 + (sf[i, Y0] + rho * sf[i, TX0] - y) ** 2)
+            if away < rho:
+                off = 0.0
+                for step in range(3):
+                    s = begin + 0.5 * step * (k.whole_s[m, 1] - begin)
+                    dx, dy, tx, ty, curvature, speed = evaluate(t.si, sf, t.cp, i, s, x, y)
+                    missing = abs(math.sqrt(dx * dx + dy * dy) - r)
+                    if not missing <= off:
+                        off = missing
+                off += away * (1.0 - math.cos(0.25 * min(share * abs(sf[i, SWEEP]), math.pi)))
+        length = share * sf[i, LEN]
+        worst(figures, WHOLE_ARCS, length if off > length else off, x, y)

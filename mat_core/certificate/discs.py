@@ -19,134 +19,135 @@ both is as good as either, and such a disc may be reached into by r angle^2; bot
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-import numpy as np
-
-from mat_core.boundary.sites import SiteTable
-from mat_core.certificate.coverage import Owned
-from mat_core.certificate.inputs import Discs, Floats, Ints
-from mat_core.certificate.report import Report
-from mat_core.kernels.jit import jit
-from mat_core.kernels.judge import balls
+from mat_core.certificate.coverage import owned
+from mat_core.certificate.report import DISCS_EMPTY, DISCS_TOUCHING, PARTNERS_LEFT, PARTNERS_RIGHT, made, worst
+from mat_core.kernels.curve import evaluate
+from mat_core.kernels.jit import inner
+from mat_core.kernels.judge import depth
+from mat_core.kernels.judge_ball import ball
 from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, FAN, KIND, LEN, NEXT, PREV, SWEEP, TX0, TX1, TY0, TY1
-from mat_core.kernels.rows import frames_at
 
 SAMPLES = (0.44, 0.59)  # where in a strip, on its right and on its left side, discs are found anew
 SAME_DISC = 1e-9  # a strip between discs nearer than this has no inside to look at
 NO_SIDE = 1e-11  # nor is there anything to start from on a side shorter than this, unless both are
 
 
-class Found(NamedTuple):
-    """Discs found anew, first `right` from right sides, then those from left sides.
-
-    strip; disc (n, 3); on the other side the site, s, and the foot's frame x, y, tx, ty.
-    """
-
-    right: int
-    strip: Ints
-    disc: Floats
-    other: Ints
-    s: Floats
-    partner: Floats
-
-
-@jit
-def missed(si, sf, site, s, frame, which, disc, off):
-    """Distance of the centre of disc which[n] from foot + r n, for a foot at s on a site with its frame, to off[n].
+@inner
+def _missed(si, sf, i, s, dx, dy, tx, ty, r):
+    """Distance of a disc's centre from foot + r n, for a foot at s on site i with tangent t; d: the foot from the centre.
 
     At a smooth joint any normal between those of both pieces will do.
     """
-    for n in range(site.shape[0]):
-        i = site[n]
-        r = disc[which[n], 2]
-        dx = frame[n, 0] - disc[which[n], 0]
-        dy = frame[n, 1] - disc[which[n], 1]
-        tx = frame[n, 2]
-        ty = frame[n, 3]
-        off[n] = math.sqrt((dx - r * ty) * (dx - r * ty) + (dy + r * tx) * (dy + r * tx))
-        at_end = s[n] >= 1.0
-        if not at_end and s[n] > 0.0:
-            continue
-        other = si[i, NEXT] if at_end else si[i, PREV]
-        joint = other if at_end else i
-        if si[i, KIND] == FAN or si[other, KIND] == FAN or si[joint, CORNER] == CONVEX_VERTEX:
-            continue
-        ux = sf[other, TX0] if at_end else sf[other, TX1]
-        uy = sf[other, TY0] if at_end else sf[other, TY1]
-        across = (tx * dx + ty * dy) * (ux * dx + uy * dy) <= 0.0
-        if across and tx * ux + ty * uy > 0.0 and tx * dy - ty * dx < 0.0:
-            either = abs(math.sqrt(dx * dx + dy * dy) - r)
-        else:
-            either = math.sqrt((dx - r * uy) * (dx - r * uy) + (dy + r * ux) * (dy + r * ux))
-        if either < off[n]:
-            off[n] = either
+    off = math.sqrt((dx - r * ty) * (dx - r * ty) + (dy + r * tx) * (dy + r * tx))
+    at_end = s >= 1.0
+    if not at_end and s > 0.0:
+        return off
+    other = si[i, NEXT] if at_end else si[i, PREV]
+    joint = other if at_end else i
+    if si[i, KIND] == FAN or si[other, KIND] == FAN or si[joint, CORNER] == CONVEX_VERTEX:
+        return off
+    ux = sf[other, TX0] if at_end else sf[other, TX1]
+    uy = sf[other, TY0] if at_end else sf[other, TY1]
+    across = (tx * dx + ty * dy) * (ux * dx + uy * dy) <= 0.0
+    if across and tx * ux + ty * uy > 0.0 and tx * dy - ty * dx < 0.0:
+        either = abs(math.sqrt(dx * dx + dy * dy) - r)
+    else:
+        either = math.sqrt((dx - r * uy) * (dx - r * uy) + (dy + r * ux) * (dy + r * ux))
+    return either if either < off else off
 
 
-def check_touching(t: SiteTable, skeleton: Discs, owned: Owned, turn: Floats, report: Report) -> Floats:
-    """Discs touch at contacts and at both ends of owned intervals; returns what is granted to each one's emptiness."""
-    disc = skeleton.disc
-    owner = np.repeat(np.arange(len(disc)), np.diff(skeleton.contact_start))
-    angle = np.zeros(len(disc))
-    for site, s, which in (
-        (skeleton.contact_site, skeleton.contact_s, owner),
-        (owned.site, owned.lo, owned.disc_lo),
-        (owned.site, owned.hi, owned.disc_hi),
-    ):
-        frame = np.empty((len(site), 4))
-        frames_at(t.si, t.sf, t.cp, site, s, frame)
-        off = np.empty(len(site))
-        missed(t.si, t.sf, site, s, frame, which, disc, off)
-        report.worst("discs_touching", off, disc[which])
-        np.maximum.at(angle, which, np.maximum(turn[site], turn[t.si[site, NEXT]]))
-    return disc[:, 2] * angle * angle
+@inner
+def _check_touch(t, disc, d, i, s, turn, angle, figures):
+    """One footpoint of disc d; `angle` of the disc grows to what the boundary turns by at the smooth joints of its site."""
+    x, y, tx, ty, curvature, speed = evaluate(t.si, t.sf, t.cp, i, s, 0.0, 0.0)
+    off = _missed(t.si, t.sf, i, s, x - disc[d, 0], y - disc[d, 1], tx, ty, disc[d, 2])
+    worst(figures, DISCS_TOUCHING, off, disc[d, 0], disc[d, 1])
+    angle[d] = max(angle[d], turn[i], turn[t.si[i, NEXT]])
 
 
-def find_anew(t: SiteTable, skeleton: Discs, strips: slice) -> Found:
-    """One disc from either side of every strip, among some, that has an inside, as far as the side has a length."""
-    disc, strip_i, strip_s = skeleton.disc, skeleton.strip_i[strips], skeleton.strip_s[strips]
-    d0 = disc[strip_i[:, 2]]
-    d1 = disc[strip_i[:, 3]]
-    far = np.abs(d1 - d0).max(axis=1) > SAME_DISC
-    long = (strip_s[:, 1] - strip_s[:, 0] > 0.5) | (strip_s[:, 2] - strip_s[:, 3] > 0.5)
-    radius = 0.5 * (d0[:, 2] + d1[:, 2])
-    side = np.empty((len(strip_i), 2))
-    for m in range(2):
-        i = strip_i[:, m]
-        width = np.where(t.si[i, KIND] == FAN, np.abs(t.sf[i, SWEEP]) * radius, t.sf[i, LEN])
-        side[:, m] = width * np.abs(strip_s[:, 2 * m + 1] - strip_s[:, 2 * m])
-    has_side = (side > NO_SIDE) | (side.max(axis=1) <= NO_SIDE)[:, None]
-    from_right = np.flatnonzero((far | long) & has_side[:, 0])
-    from_left = np.flatnonzero((far | long) & has_side[:, 1])
-    right = len(from_right)
-    rows = np.concatenate((from_right, from_left))
-    a0, a1, b1, b0 = strip_s[rows].T
-    on_right = np.arange(len(rows)) < right
-    site = np.where(on_right, strip_i[rows, 0], strip_i[rows, 1])
-    other = np.where(on_right, strip_i[rows, 1], strip_i[rows, 0])
-    s = np.where(on_right, a0 + SAMPLES[0] * (a1 - a0), b0 + SAMPLES[1] * (b1 - b0))
-    interval = np.where(on_right, (b0, b1, radius[rows]), (a0, a1, radius[rows])).T.copy()
-    frame = np.empty((len(rows), 4))
-    frames_at(t.si, t.sf, t.cp, site, s, frame)
-    found = np.empty((len(rows), 3))
-    partner = np.empty((len(rows), 4))
-    other_s = np.empty(len(rows))
-    balls(t.si, t.sf, t.cp, site, s, frame, other, interval, found, other_s, partner)
-    lost = ~(found[:, 2] < np.inf)
-    found[lost, :2] = frame[lost, :2]
-    return Found(right, strips.start + rows, found, other, other_s, partner)
+@inner
+def check_touching(t, k, order, turn, granted, figures):
+    """Discs touch at contacts and at both ends of owned intervals; fills what is granted to each one's emptiness."""
+    disc = k.disc
+    made(figures, DISCS_TOUCHING)
+    for d in range(disc.shape[0]):
+        granted[d] = 0.0
+        for m in range(k.contact_start[d], k.contact_start[d + 1]):
+            _check_touch(t, disc, d, k.contact_site[m], k.contact_s[m], turn, granted, figures)
+    before = -1
+    reached = 0.0
+    disc_before = -1
+    for place in range(order.shape[0]):
+        site, lo, hi, disc_lo, disc_hi = owned(k, order[place])
+        # where an interval ends and the next one begins is one footpoint, if all is well
+        if lo != reached or site != before or disc_lo != disc_before:
+            _check_touch(t, disc, disc_lo, site, lo, turn, granted, figures)
+        _check_touch(t, disc, disc_hi, site, hi, turn, granted, figures)
+        before = site
+        reached = hi
+        disc_before = disc_hi
+    for d in range(disc.shape[0]):
+        granted[d] *= granted[d] * disc[d, 2]
 
 
-def check_discs(disc: Floats, depth: Floats, slack: Floats, report: Report) -> None:
-    """The discs handed in are empty."""
-    report.worst("discs_empty", np.where(disc[:, 2] >= 0.0, depth - slack, np.inf), disc)
+@inner
+def check_disc(t, k, d, boxes, granted, figures):
+    """A disc handed in is empty."""
+    x = k.disc[d, 0]
+    y = k.disc[d, 1]
+    r = k.disc[d, 2]
+    inside = depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, x, y, r)
+    worst(figures, DISCS_EMPTY, inside - granted[d] if r >= 0.0 else math.inf, x, y)
 
 
-def check_partners(t: SiteTable, found: Found, depth: Floats, strip_slack: Floats, report: Report) -> None:
-    """The discs found anew are empty and touch the other side of their strip."""
-    figure = depth - strip_slack[found.strip]
-    off = np.empty(len(figure))
-    missed(t.si, t.sf, found.other, found.s, found.partner, np.arange(len(figure)), found.disc, off)
-    figure = np.maximum(figure, np.where(np.isfinite(off), off, np.inf))
-    report.worst("partners_right", figure[: found.right], found.disc[: found.right])
-    report.worst("partners_left", figure[found.right :], found.disc[found.right :])
+@inner
+def _width(t, k, strip, side, radius):
+    """Length of a strip's side."""
+    i = k.strip_i[strip, side]
+    whole = abs(t.sf[i, SWEEP]) * radius if t.si[i, KIND] == FAN else t.sf[i, LEN]
+    return whole * abs(k.strip_s[strip, 2 * side + 1] - k.strip_s[strip, 2 * side])
+
+
+@inner
+def check_partners(t, k, strip, boxes, slack, figures):
+    """A disc found anew from either side of a strip that has an inside, as far as the side has a length, is empty and touches.
+
+    slack: what is granted to emptiness.
+    """
+    d0 = k.strip_i[strip, 2]
+    d1 = k.strip_i[strip, 3]
+    apart = 0.0
+    for axis in range(3):
+        apart = max(apart, abs(k.disc[d1, axis] - k.disc[d0, axis]))
+    s = k.strip_s
+    if not apart > SAME_DISC and s[strip, 1] - s[strip, 0] <= 0.5 and s[strip, 2] - s[strip, 3] <= 0.5:
+        return
+    radius = 0.5 * (k.disc[d0, 2] + k.disc[d1, 2])
+    right = _width(t, k, strip, 0, radius)
+    left = _width(t, k, strip, 1, radius)
+    neither = not right > NO_SIDE and not left > NO_SIDE
+    if right > NO_SIDE or neither:
+        at = s[strip, 0] + SAMPLES[0] * (s[strip, 1] - s[strip, 0])
+        _check_partner(t, k.strip_i[strip, 0], at, k.strip_i[strip, 1], s[strip, 3], s[strip, 2], radius, boxes, slack,
+                       PARTNERS_RIGHT, figures)
+    if left > NO_SIDE or neither:
+        at = s[strip, 3] + SAMPLES[1] * (s[strip, 2] - s[strip, 3])
+        _check_partner(t, k.strip_i[strip, 1], at, k.strip_i[strip, 0], s[strip, 0], s[strip, 1], radius, boxes, slack,
+                       PARTNERS_LEFT, figures)
+
+
+@inner
+def _check_partner(t, i, s, j, lo, hi, radius, boxes, slack, check, figures):
+    """The disc tangent at s on site i that touches [lo, hi] of site j."""
+    x, y, tx, ty, curvature, speed = evaluate(t.si, t.sf, t.cp, i, s, 0.0, 0.0)
+    r, at, qx, qy, ux, uy = ball(t.si, t.sf, t.cp, i, s, x, y, tx, ty, j, lo, hi, radius)
+    if not r < math.inf:
+        worst(figures, check, math.inf, x, y)
+        return
+    cx = x - r * ty
+    cy = y + r * tx
+    inside = depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, cx, cy, r) - slack
+    off = _missed(t.si, t.sf, j, at, qx - cx, qy - cy, ux, uy, r)
+    worst(figures, check, inside, cx, cy)
+    worst(figures, check, off, cx, cy)

@@ -1,11 +1,18 @@
-"""What is judged, as plain arrays: the judge knows the fields it reads, not the modules that made them."""
+"""What is judged, as plain arrays: the judge knows the fields it reads, not the modules that made them.
+
+Every reference is followed only after `dangling_references` found all of them sound.
+"""
 
 from __future__ import annotations
 
-from typing import Protocol
+from operator import attrgetter
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from mat_core.kernels.jit import inner
+from mat_core.kernels.layout import NEXT, PREV
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -14,169 +21,184 @@ Floats = NDArray[np.float64]
 BRANCH, VERTEX, CURVATURE, ARC_CENTRE, POINT = range(5)
 
 
-class Discs(Protocol):
-    """Discs, contacts, strips and arcs in whole contact; normalised coordinates."""
+class Boundary(NamedTuple):
+    """The sites, in normalised coordinates: columns of si and sf in `mat_core.kernels.layout`; loop_start (L + 1,)."""
 
-    @property
-    def disc(self) -> Floats:
-        """(D, 3) x, y, r."""
-
-    @property
-    def contact_start(self) -> Ints:
-        """(D + 1,) first contact of each disc."""
-
-    @property
-    def contact_site(self) -> Ints:
-        """(C,) sites."""
-
-    @property
-    def contact_s(self) -> Floats:
-        """(C,) parameters."""
-
-    @property
-    def strip_i(self) -> Ints:
-        """(S, 4) right site, left site, disc at the beginning, disc at the end."""
-
-    @property
-    def strip_s(self) -> Floats:
-        """(S, 4) from, to on the right (rising); from, to on the left (falling)."""
-
-    @property
-    def whole_i(self) -> Ints:
-        """(W, 2) site, disc."""
-
-    @property
-    def whole_s(self) -> Floats:
-        """(W, 2) from, to."""
+    si: Ints
+    sf: Floats
+    cp: Floats
+    loop_start: Ints
 
 
-class Network(Protocol):
-    """Nodes and segments, each segment a run of strips."""
+class Edges(NamedTuple):
+    """The input's edges; all empty when the domain is not at hand.
 
-    @property
-    def node_disc(self) -> Ints:
-        """(N,) disc of each node."""
+    cp (n, 3): x, y, weight. loop_start (L + 1,): edges of each loop.
+    """
 
-    @property
-    def node_kind(self) -> Ints:
-        """(N,) BRANCH, VERTEX, CURVATURE, ARC_CENTRE or POINT."""
-
-    @property
-    def run_start(self) -> Ints:
-        """(G + 1,) first strip of each segment."""
-
-    @property
-    def run_strip(self) -> Ints:
-        """(R,) strips in order of travel."""
-
-    @property
-    def run_forward(self) -> NDArray[np.bool_]:
-        """(R,) whether each is travelled from its beginning."""
-
-    @property
-    def start_node(self) -> Ints:
-        """(G,) node, or -1 when the segment is closed without one."""
-
-    @property
-    def end_node(self) -> Ints:
-        """(G,) node or -1."""
-
-    @property
-    def order(self) -> Ints:
-        """(N,) nodes in topological order."""
-
-    @property
-    def components(self) -> int:
-        """As stated."""
-
-    @property
-    def cycles(self) -> int:
-        """As stated."""
+    degree: Ints
+    knot_start: Ints
+    knots: Floats
+    cp_start: Ints
+    cp: Floats
+    loop_start: Ints
 
 
-class Curves(Protocol):
-    """Curves of the segments, rational B-splines in (x, y, r) over [0, 1]; normalised coordinates."""
+class Discs(NamedTuple):
+    """Discs, contacts, strips and arcs in whole contact; normalised coordinates.
 
-    @property
-    def degree(self) -> Ints:
-        """(G,) degrees."""
+    disc (D, 3): x, y, r; the contacts of disc d are contact_start[d] to contact_start[d + 1] - 1 of contact_site and contact_s.
+    strip_i (S, 4): right site, left site, disc at the beginning, disc at the end; strip_s (S, 4): from, to on the right (rising);
+    from, to on the left (falling). whole_i (W, 2): site, disc; whole_s (W, 2): from, to.
+    """
 
-    @property
-    def knot_start(self) -> Ints:
-        """(G + 1,) first knot."""
-
-    @property
-    def knots(self) -> Floats:
-        """All knots."""
-
-    @property
-    def cp_start(self) -> Ints:
-        """(G + 1,) first control point."""
-
-    @property
-    def cp(self) -> Floats:
-        """(n, 4) x, y, r, weight (not multiplied by it)."""
-
-    @property
-    def max_error(self) -> Floats:
-        """(G,) stated error, in (x, y, r) together."""
-
-    @property
-    def part_start(self) -> Ints:
-        """(G + 1,) first piece."""
-
-    @property
-    def part_i(self) -> Ints:
-        """(P, 2 or more); column 1 is the strip."""
-
-    @property
-    def part_f(self) -> Floats:
-        """(P, 2 or more); columns 0 and 1 are the ends of the piece in t."""
+    disc: Floats
+    contact_start: Ints
+    contact_site: Ints
+    contact_s: Floats
+    strip_i: Ints
+    strip_s: Floats
+    whole_i: Ints
+    whole_s: Floats
 
 
-def _in_range(values: Ints, low: int, high: int) -> bool:
-    """Whether all integers are in low .. high - 1."""
-    return not values.size or bool(values.min() >= low and values.max() < high)
+class Network(NamedTuple):
+    """Nodes and segments, each segment a run of strips.
+
+    node_disc, node_kind (N,): BRANCH, VERTEX, CURVATURE, ARC_CENTRE or POINT. run_start (G + 1,): first strip of each segment in
+    run_strip (R,), in order of travel, run_forward (R,): whether from its beginning. start_node, end_node (G,): -1 when the
+    segment is closed without one. order (N,): topological. components, cycles: as stated.
+    """
+
+    node_disc: Ints
+    node_kind: Ints
+    run_start: Ints
+    run_strip: Ints
+    run_forward: NDArray[np.bool_]
+    start_node: Ints
+    end_node: Ints
+    order: Ints
+    components: int
+    cycles: int
 
 
-def _are_parameters(values: Floats) -> bool:
-    """Whether all are in [0, 1]."""
-    return not values.size or bool(values.min() >= 0.0 and values.max() <= 1.0)
+class Curves(NamedTuple):
+    """Curves of the segments, rational B-splines in (x, y, r) over [0, 1]; normalised coordinates.
+
+    cp (n, 4): x, y, r, weight (not multiplied by it). max_error (G,): stated, in (x, y, r) together. part_i (P, 2 or more): its
+    column 1 is the strip; part_f (P, 2 or more): columns 0 and 1 are the ends of the piece in t.
+    """
+
+    degree: Ints
+    knot_start: Ints
+    knots: Floats
+    cp_start: Ints
+    cp: Floats
+    max_error: Floats
+    part_start: Ints
+    part_i: Ints
+    part_f: Floats
 
 
-def _are_offsets(starts: Ints, rows: int, count: int) -> bool:
-    """Whether these are `rows` offsets that begin at 0, never fall, and end at `count`."""
-    return len(starts) == rows and starts[0] == 0 and starts[-1] == count and bool((starts[1:] >= starts[:-1]).all())
+_NO_NUMBERS = np.empty(0, dtype=np.int64)
+NOTHING = Edges(_NO_NUMBERS, _NO_NUMBERS, np.empty(0), _NO_NUMBERS, np.empty((0, 3)), _NO_NUMBERS)  # no domain at hand
+
+T = TypeVar("T", Boundary, Edges, Discs, Network, Curves)
+_FIELDS = {kind: attrgetter(*kind._fields) for kind in (Boundary, Edges, Discs, Network, Curves)}
 
 
-def dangling_references(sites: int, skeleton: Discs, graph: Network, curves: Curves) -> int:
+def taken(kind: type[T], source: object) -> T:
+    """The fields of `kind` from anything that has them."""
+    values: tuple[Any, ...] = _FIELDS[kind](source)
+    return kind(*values)
+
+
+@inner
+def _out_of_range(values, low, high):
+    """1 if an integer is not in low .. high - 1, else 0."""
+    for n in range(values.shape[0]):
+        if values[n] < low or values[n] >= high:
+            return 1
+    return 0
+
+
+@inner
+def _column_out_of_range(values, column, low, high):
+    """The same for a column."""
+    for n in range(values.shape[0]):
+        if values[n, column] < low or values[n, column] >= high:
+            return 1
+    return 0
+
+
+@inner
+def _no_parameters(values, columns):
+    """1 if a number in the first columns is not in [0, 1], else 0."""
+    for n in range(values.shape[0]):
+        for c in range(columns):
+            if not 0.0 <= values[n, c] <= 1.0:
+                return 1
+    return 0
+
+
+@inner
+def _no_offsets(starts, rows, count, least):
+    """1 unless these are `rows` offsets from 0 to `count` that rise by `least` or more, else 0."""
+    if starts.shape[0] != rows or starts[0] != 0 or starts[rows - 1] != count:
+        return 1
+    for n in range(1, rows):
+        if starts[n] - starts[n - 1] < least:
+            return 1
+    return 0
+
+
+@inner
+def dangling_references(t, k, g, c):
     """How many tables hold indices or parameters that point to nothing, or have too few rows; the rest relies on 0."""
-    discs = len(skeleton.disc)
-    strips = len(skeleton.strip_i)
-    nodes = len(graph.node_disc)
-    runs = len(graph.start_node)
-    sound = (
-        discs > 0,
-        len(skeleton.strip_s) == strips and len(skeleton.whole_s) == len(skeleton.whole_i),
-        len(skeleton.contact_s) == len(skeleton.contact_site),
-        len(curves.part_f) == len(curves.part_i),
-        len(graph.node_kind) == nodes and len(graph.run_forward) == len(graph.run_strip),
-        len(graph.end_node) == runs == len(curves.degree) == len(curves.max_error),
-        _in_range(skeleton.contact_site, 0, sites) and _are_parameters(skeleton.contact_s),
-        _in_range(skeleton.strip_i[:, :2], 0, sites) and _in_range(skeleton.strip_i[:, 2:], 0, discs),
-        _in_range(skeleton.whole_i[:, 0], 0, sites) and _in_range(skeleton.whole_i[:, 1], 0, discs),
-        _are_parameters(skeleton.strip_s) and _are_parameters(skeleton.whole_s),
-        _in_range(graph.node_disc, 0, discs)
-        and _in_range(graph.order, 0, nodes)
-        and _in_range(graph.run_strip, 0, strips),
-        _in_range(graph.start_node, -1, nodes) and _in_range(graph.end_node, -1, nodes),
-        bool(((graph.start_node < 0) == (graph.end_node < 0)).all()) if len(graph.end_node) == runs else False,
-        _in_range(curves.part_i[:, 1], 0, strips),
-        _are_offsets(skeleton.contact_start, discs + 1, len(skeleton.contact_site)),
-        _are_offsets(graph.run_start, runs + 1, len(graph.run_strip))
-        and bool((graph.run_start[1:] > graph.run_start[:-1]).all()),
-        _are_offsets(curves.knot_start, runs + 1, len(curves.knots))
-        and _are_offsets(curves.cp_start, runs + 1, len(curves.cp)),
-        _are_offsets(curves.part_start, runs + 1, len(curves.part_i)),
-    )
-    return len(sound) - sum(sound)
+    sites = t.si.shape[0]
+    discs = k.disc.shape[0]
+    strips = k.strip_i.shape[0]
+    nodes = g.node_disc.shape[0]
+    runs = g.start_node.shape[0]
+    contacts = k.contact_site.shape[0]
+    wrong = 0
+    # numbers of rows
+    if discs == 0:
+        wrong += 1
+    if k.strip_s.shape[0] != strips or k.whole_s.shape[0] != k.whole_i.shape[0]:
+        wrong += 1
+    if k.contact_s.shape[0] != contacts:
+        wrong += 1
+    if c.part_f.shape[0] != c.part_i.shape[0]:
+        wrong += 1
+    if g.node_kind.shape[0] != nodes or g.run_forward.shape[0] != g.run_strip.shape[0]:
+        wrong += 1
+    if g.end_node.shape[0] != runs or c.degree.shape[0] != runs or c.max_error.shape[0] != runs:
+        wrong += 1
+    # offsets
+    wrong += _no_offsets(t.loop_start, t.loop_start.shape[0], sites, 1)
+    wrong += _no_offsets(k.contact_start, discs + 1, contacts, 0)
+    wrong += _no_offsets(g.run_start, runs + 1, g.run_strip.shape[0], 1)
+    wrong += _no_offsets(c.knot_start, runs + 1, c.knots.shape[0], 0)
+    wrong += _no_offsets(c.cp_start, runs + 1, c.cp.shape[0], 0)
+    wrong += _no_offsets(c.part_start, runs + 1, c.part_i.shape[0], 0)
+    if wrong > 0:
+        return wrong
+    # indices and parameters
+    wrong += _column_out_of_range(t.si, NEXT, 0, sites) + _column_out_of_range(t.si, PREV, 0, sites)
+    wrong += _out_of_range(k.contact_site, 0, sites)
+    for n in range(contacts):
+        if not 0.0 <= k.contact_s[n] <= 1.0:
+            wrong += 1
+            break
+    wrong += _column_out_of_range(k.strip_i, 0, 0, sites) + _column_out_of_range(k.strip_i, 1, 0, sites)
+    wrong += _column_out_of_range(k.strip_i, 2, 0, discs) + _column_out_of_range(k.strip_i, 3, 0, discs)
+    wrong += _column_out_of_range(k.whole_i, 0, 0, sites) + _column_out_of_range(k.whole_i, 1, 0, discs)
+    wrong += _no_parameters(k.strip_s, 4) + _no_parameters(k.whole_s, 2)
+    wrong += _out_of_range(g.node_disc, 0, discs) + _out_of_range(g.order, 0, nodes) + _out_of_range(g.run_strip, 0, strips)
+    wrong += _out_of_range(g.start_node, -1, nodes) + _out_of_range(g.end_node, -1, nodes)
+    for n in range(runs):
+        if (g.start_node[n] < 0) != (g.end_node[n] < 0):
+            wrong += 1
+            break
+    return wrong + _column_out_of_range(c.part_i, 1, 0, strips)

@@ -7,7 +7,9 @@ import sys
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
+
+from mat_core.kernels.jit import inner
 
 LENGTH, COUNT, ANGLE = "length", "count", "angle"
 
@@ -62,64 +64,91 @@ CHECKS = {
     ),
 }
 
+(
+    REFERENCES, BOUNDARY, TURNING, COVERAGE, NEIGHBOURS, WHOLE_ARCS, FACES, CONNECTED, CYCLES, LEAVES, SEGMENTS, DEGREES, ORDER,
+    NODE_KINDS, DISCS_EMPTY, DISCS_TOUCHING, PARTNERS_RIGHT, PARTNERS_LEFT, CURVES_CONTINUOUS, CURVES_ENDS, CURVES_ON_AXIS,
+    CURVES_EMPTY, CURVES_TOLERANCE,
+) = range(len(CHECKS))  # rows of the figures, in the order of CHECKS  # fmt: skip
+
+UNSEEN = -math.inf  # figure of a check that was not made
+LOWEST = -sys.float_info.max  # of one that was made, and met nothing
 ROUNDING = 16 * float(
     np.finfo(float).eps
 )  # granted to lengths, relative to the largest coordinate: the input is not known better
 
 
-class Report:
-    """The worst figure of each check so far and its place; lengths and places in normalised coordinates."""
+class Figures(NamedTuple):
+    """The worst figure of each check so far and its place; lengths and places in normalised coordinates.
 
-    def __init__(self) -> None:
-        self.figures: dict[str, tuple[float, tuple[float, float] | None]] = {}
+    figure (checks,): UNSEEN where a check was not made; place (checks, 2): NaN where none was noted.
+    """
 
-    def worst(self, name: str, figures: NDArray[np.float64], points: NDArray[np.float64]) -> None:
-        """Take the largest of (n,) figures and its place, row of (n, 2 or more) points; NaN counts as infinite."""
-        measured = 0.0
-        place = None
-        if len(figures):
-            i = int(figures.argmax())
-            measured = float(figures[i])
-            if measured != measured:
-                measured = np.inf
-            point = points[i]
-            place = (float(point[0]), float(point[1]))
-        if name not in self.figures or measured > self.figures[name][0]:
-            self.figures[name] = (max(measured, 0.0), place)
+    figure: NDArray[np.float64]
+    place: NDArray[np.float64]
 
-    def faults(self, name: str, wrong: ArrayLike, points: NDArray[np.float64]) -> None:
-        """Add (n,) numbers of faults (or flags); the place is that of the first one, row of (n, 2 or more) points."""
-        number = np.asarray(wrong)
-        total = int(np.count_nonzero(number)) if number.dtype == np.bool_ else int(np.abs(number).sum())
-        before, place = self.figures.get(name, (0.0, None))
-        if total and place is None and len(points):
-            point = points[min(int((number != 0).argmax()), len(points) - 1)]
-            place = (float(point[0]), float(point[1]))
-        self.figures[name] = (before + total, place)
+    @classmethod
+    def unseen(cls) -> Figures:
+        """None made yet."""
+        return cls(np.full(len(CHECKS), UNSEEN), np.full((len(CHECKS), 2), np.nan))
 
-    def to_dict(self, size: float, origin: NDArray[np.float64], scale: float, tolerance: float) -> dict[str, Any]:
-        """The certificate: every check with figure, limit and place in the caller's coordinates; all numbers finite.
 
-        size: larger side of the bounding box, normalised.
-        """
-        ox, oy = origin.tolist()
-        rounding = ROUNDING * (max(abs(ox), abs(oy)) * scale + 1.0)
-        checks: dict[str, dict[str, Any]] = {}
-        for name, (measured, place) in self.figures.items():
-            check = CHECKS[name]
-            limit = tolerance if name == "curves_tolerance" else check.limit
-            if check.unit == LENGTH:
-                limit += rounding
-                measured /= size
-            where = None
-            if place is not None and math.isfinite(place[0]) and math.isfinite(place[1]):
-                where = [place[0] / scale + ox, place[1] / scale + oy]
-            checks[name] = {
-                "passed": measured <= limit,
-                "measured": min(measured, sys.float_info.max),
-                "limit": limit,
-                "unit": check.unit,
-                "place": where,
-                "detail": check.detail,
-            }
-        return {"passed": all(check["passed"] for check in checks.values()), "checks": checks}
+@inner
+def made(figures, check):
+    """Note that a check is made, whether or not there is anything to look at."""
+    if figures.figure[check] < LOWEST:
+        figures.figure[check] = LOWEST
+
+
+@inner
+def worst(figures, check, value, x, y):
+    """Take a figure at a place if it is the largest so far; NaN counts as infinite."""
+    if value != value:
+        value = math.inf
+    if value > figures.figure[check]:
+        figures.figure[check] = value
+        figures.place[check, 0] = x
+        figures.place[check, 1] = y
+
+
+@inner
+def fault(figures, check, number, x, y):
+    """Add a number of faults; the place is that of the first."""
+    if figures.figure[check] < 0.0:
+        figures.figure[check] = 0.0
+    if number > 0 and figures.figure[check] == 0.0:
+        figures.place[check, 0] = x
+        figures.place[check, 1] = y
+    figures.figure[check] += number
+
+
+def to_dict(
+    figures: Figures, size: float, origin: NDArray[np.float64], scale: float, tolerance: float
+) -> dict[str, Any]:
+    """The certificate: every check with figure, limit and place in the caller's coordinates; all numbers finite.
+
+    size: larger side of the bounding box, normalised.
+    """
+    ox, oy = origin.tolist()
+    rounding = ROUNDING * (max(abs(ox), abs(oy)) * scale + 1.0)
+    checks: dict[str, dict[str, Any]] = {}
+    passed = True
+    for (name, check), measured, (x, y) in zip(
+        CHECKS.items(), figures.figure.tolist(), figures.place.tolist(), strict=True
+    ):
+        if measured == UNSEEN:
+            continue
+        measured = max(measured, 0.0)
+        limit = tolerance if name == "curves_tolerance" else check.limit
+        if check.unit == LENGTH:
+            limit += rounding
+            measured /= size
+        passed = passed and measured <= limit
+        checks[name] = {
+            "passed": measured <= limit,
+            "measured": min(measured, sys.float_info.max),
+            "limit": limit,
+            "unit": check.unit,
+            "place": [x / scale + ox, y / scale + oy] if math.isfinite(x) and math.isfinite(y) else None,
+            "detail": check.detail,
+        }
+    return {"passed": passed, "checks": checks}

@@ -6,153 +6,139 @@ from either side then differs from r' by at most e; that much is granted, no mor
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
 
-import numpy as np
-from numpy.typing import NDArray
+from mat_core.certificate.report import (
+    CURVES_CONTINUOUS,
+    CURVES_EMPTY,
+    CURVES_ENDS,
+    CURVES_ON_AXIS,
+    CURVES_TOLERANCE,
+    made,
+    worst,
+)
+from mat_core.kernels.jit import inner
+from mat_core.kernels.judge import depth, distance_from
+from mat_core.kernels.judge_spline import spline_value
 
-from mat_core.boundary.sites import SiteTable
-from mat_core.certificate.inputs import Curves, Discs, Floats, Ints, Network
-from mat_core.certificate.report import Report
-from mat_core.kernels.judge import distances
-from mat_core.kernels.rows import spline_values
-
-SAMPLES = np.array(
-    (0.057, 0.281, 0.473, 0.726, 0.894)
-)  # of a piece; at places of no symmetry, so not at those of a fit
-
-
-class Sampled(NamedTuple):
-    """Discs of the curves (n, 3) with their segments and strips."""
-
-    disc: Floats
-    segment: Ints
-    strip: Ints
+SAMPLES = (0.057, 0.281, 0.473, 0.726, 0.894)  # of a piece; at places of no symmetry, so not at those of a fit
 
 
-def check_shape(curves: Curves, graph: Network, report: Report) -> bool:
+@inner
+def check_shape(c, g, figures):
     """Knots are clamped and rise from 0 to 1, weights are positive; returns whether the curves can be evaluated."""
-    c = curves
-    runs = len(c.degree)
-    if not runs:
-        for name in ("curves_tolerance", "curves_continuous"):
-            report.worst(name, np.empty(0), np.empty((0, 2)))
+    made(figures, CURVES_TOLERANCE)
+    made(figures, CURVES_CONTINUOUS)
+    runs = c.degree.shape[0]
+    all_sound = runs > 0
+    for run in range(runs):
+        row = c.cp_start[run]
+        x = c.cp[row, 0] if row < c.cp.shape[0] else math.nan
+        y = c.cp[row, 1] if row < c.cp.shape[0] else math.nan
+        worst(figures, CURVES_TOLERANCE, c.max_error[run], x, y)
+        sound = _is_sound(c, run)
+        worst(figures, CURVES_CONTINUOUS, 0.0 if sound else math.inf, x, y)
+        all_sound = all_sound and sound
+    for run in range(runs if all_sound else 0):
+        _check_jumps(c, run, figures)
+        if g.start_node[run] < 0:
+            _check_gap(c, c.cp_start[run], c.cp_start[run + 1] - 1, figures)
+    return all_sound
+
+
+@inner
+def _is_sound(c, run):
+    """Whether a curve can be evaluated anywhere in [0, 1], and its pieces cover that one after the other."""
+    p = c.degree[run]
+    first = c.knot_start[run]
+    last = c.knot_start[run + 1] - 1
+    control = c.cp_start[run + 1] - c.cp_start[run]
+    if not (p >= 1 and control > p and last + 1 - first == control + p + 1 and c.max_error[run] >= 0.0):
         return False
-    first = c.cp_start[:-1]
-    place = c.cp[np.minimum(first, len(c.cp) - 1)]
-    report.worst("curves_tolerance", c.max_error, place)
-    k0 = c.knot_start[:-1]
-    k1 = c.knot_start[1:]
-    control = np.diff(c.cp_start)
-    sound = (c.degree >= 1) & (control > c.degree) & (k1 - k0 == control + c.degree + 1) & (c.max_error >= 0.0)
-    if sound.all():
-        p = c.degree
-        sound &= (
-            (c.knots[k0] == 0.0) & (c.knots[k0 + p] == 0.0) & (c.knots[k1 - p - 1] == 1.0) & (c.knots[k1 - 1] == 1.0)
-        )
-        falls = np.zeros(len(c.knots), dtype=np.int64)
-        falls[1:] = c.knots[1:] < c.knots[:-1]
-        falls[k0] = 0
-        sound &= (np.add.reduceat(falls, k0) == 0) & (np.minimum.reduceat(c.cp[:, 3], first) > 0.0)
-        sound &= _parts_follow(c)
-    report.worst("curves_continuous", np.where(sound, 0.0, np.inf), place)
-    if not sound.all():
+    if c.knots[first] != 0.0 or c.knots[first + p] != 0.0 or c.knots[last - p] != 1.0 or c.knots[last] != 1.0:
         return False
-    _check_jumps(c, report)
-    closed = np.flatnonzero(graph.start_node < 0)
-    gap = c.cp[c.cp_start[closed + 1] - 1, :3] - c.cp[first[closed], :3]
-    report.worst("curves_continuous", np.sqrt((gap * gap).sum(axis=1)), place[closed])
-    return True
+    for knot in range(first, last):
+        if not c.knots[knot + 1] >= c.knots[knot]:
+            return False
+    for row in range(c.cp_start[run], c.cp_start[run + 1]):
+        if not c.cp[row, 3] > 0.0:
+            return False
+    reached = 0.0
+    for part in range(c.part_start[run], c.part_start[run + 1]):
+        if c.part_f[part, 0] != reached or not c.part_f[part, 1] > reached:
+            return False
+        reached = c.part_f[part, 1]
+    return reached == 1.0
 
 
-def _parts_follow(c: Curves) -> NDArray[np.bool_]:
-    """Whether the pieces of each segment cover [0, 1] one after the other."""
-    begin = c.part_f[:, 0]
-    end = c.part_f[:, 1]
-    first = c.part_start[:-1]
-    last = c.part_start[1:] - 1
-    if not (last >= first).all():
-        return last >= first
-    wrong = np.zeros(len(begin), dtype=np.int64)
-    wrong[1:] = begin[1:] != end[:-1]
-    wrong[first] = begin[first] != 0.0
-    wrong[last] += end[last] != 1.0
-    wrong += ~(end > begin)
-    return np.add.reduceat(wrong, first) == 0
-
-
-def _check_jumps(c: Curves, report: Report) -> None:
+@inner
+def _check_jumps(c, run, figures):
     """An inner knot of multiplicity degree + 1 parts a curve between two control points."""
-    for p in np.flatnonzero(np.bincount(c.degree)).tolist():
-        row = np.flatnonzero(c.knots[p:] == c.knots[:-p])
-        segment = np.searchsorted(c.knot_start, row, side="right") - 1
-        inner = (
-            (c.degree[segment] == p)
-            & (c.knots[row] > 0.0)
-            & (c.knots[row] < 1.0)
-            & (row + p < c.knot_start[segment + 1])
-        )
-        after = (c.cp_start[segment] + row - c.knot_start[segment])[inner]
-        gap = c.cp[after, :3] - c.cp[after - 1, :3]
-        report.worst("curves_continuous", np.sqrt((gap * gap).sum(axis=1)), c.cp[after])
+    p = c.degree[run]
+    for knot in range(c.knot_start[run], c.knot_start[run + 1] - p):
+        if c.knots[knot] == c.knots[knot + p] and 0.0 < c.knots[knot] < 1.0:
+            row = c.cp_start[run] + knot - c.knot_start[run]
+            _check_gap(c, row, row - 1, figures)
 
 
-def _values(c: Curves, segment: Ints, t: Floats) -> Floats:
-    """Points x, y, r."""
-    out = np.empty((len(t), 3))
-    work = np.empty((int(c.degree.max()) + 1, 4))
-    spline_values(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, 3, segment, t, work, out)
-    return out
+@inner
+def _check_gap(c, a, b, figures):
+    """Two control points are one."""
+    dx = c.cp[a, 0] - c.cp[b, 0]
+    dy = c.cp[a, 1] - c.cp[b, 1]
+    dr = c.cp[a, 2] - c.cp[b, 2]
+    worst(figures, CURVES_CONTINUOUS, math.sqrt(dx * dx + dy * dy + dr * dr), c.cp[a, 0], c.cp[a, 1])
 
 
-def check_ends(skeleton: Discs, graph: Network, curves: Curves, report: Report) -> None:
+@inner
+def _check_end(c, run, t, disc, d, work, figures):
+    """The curve passes disc d at t."""
+    spline_value(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, 3, run, t, work)
+    dx = work[0, 0] - disc[d, 0]
+    dy = work[0, 1] - disc[d, 1]
+    dr = work[0, 2] - disc[d, 2]
+    worst(figures, CURVES_ENDS, math.sqrt(dx * dx + dy * dy + dr * dr) - c.max_error[run], disc[d, 0], disc[d, 1])
+
+
+@inner
+def check_ends(k, g, c, work, figures):
     """Curves begin and end at the discs of their nodes and pass the discs between their strips, taken in order."""
-    disc, c = skeleton.disc, curves
-    segment = c.part_i[:, 0]
-    strip = c.part_i[:, 1]
-    new = np.ones(len(strip), dtype=np.bool_)
-    new[1:] = (strip[1:] != strip[:-1]) | (segment[1:] != segment[:-1])
-    entered = np.flatnonzero(new)
-    runs = np.repeat(np.arange(len(c.degree)), np.diff(graph.run_start))
-    of_parts = np.repeat(np.arange(len(c.degree)), np.diff(c.part_start))
-    if len(entered) != len(runs) or (strip[entered] != graph.run_strip).any() or (of_parts[entered] != runs).any():
-        report.worst("curves_ends", np.array((np.inf,)), c.cp)
-        return
-    ends = skeleton.strip_i[graph.run_strip, 2:]
-    forward = graph.run_forward
-    begin = np.where(forward, ends[:, 0], ends[:, 1])
-    last = graph.run_start[1:] - 1
-    stop = np.where(forward[last], ends[last, 1], ends[last, 0])
-    which = np.concatenate((begin, stop))
-    of = np.concatenate((runs, np.arange(len(last))))
-    t = np.concatenate((c.part_f[entered, 0], np.ones(len(last))))
-    off = _values(c, of, t) - disc[which]
-    report.worst("curves_ends", np.sqrt((off * off).sum(axis=1)) - c.max_error[of], disc[which])
+    for run in range(c.degree.shape[0]):
+        m = g.run_start[run] - 1
+        last = g.run_start[run + 1] - 1
+        strip = -1
+        for part in range(c.part_start[run], c.part_start[run + 1]):
+            if c.part_i[part, 1] == strip:
+                continue
+            strip = c.part_i[part, 1]
+            m += 1
+            if m > last or g.run_strip[m] != strip:
+                break
+            _check_end(c, run, c.part_f[part, 0], k.disc, k.strip_i[strip, 2 if g.run_forward[m] else 3], work, figures)
+        if m != last or g.run_strip[last] != strip:
+            worst(figures, CURVES_ENDS, math.inf, c.cp[c.cp_start[run], 0], c.cp[c.cp_start[run], 1])
+            continue
+        _check_end(c, run, 1.0, k.disc, k.strip_i[strip, 3 if g.run_forward[last] else 2], work, figures)
 
 
-def sample(curves: Curves, pieces: slice) -> Sampled:
-    """Discs of the curves inside some of the pieces."""
-    c = curves
-    n = len(SAMPLES)
-    f = c.part_f[pieces]
-    t = f[:, :1] + SAMPLES * (f[:, 1:2] - f[:, :1])
-    of_pieces = np.searchsorted(c.part_start, np.arange(pieces.start, pieces.stop), side="right") - 1
-    segment = np.repeat(of_pieces, n)
-    return Sampled(_values(c, segment, t.ravel()), segment, np.repeat(c.part_i[pieces, 1], n))
+@inner
+def check_piece(t, k, c, run, part, boxes, slack, figures):
+    """Samples of a piece touch either side of their strip, and the boundary stays out of them.
 
-
-def check_curves(
-    t: SiteTable, skeleton: Discs, curves: Curves, sampled: Sampled, depth: Floats, strip_slack: Floats, report: Report
-) -> None:
-    """Samples of the curves touch either side of their strip, and the boundary stays out of them."""
-    granted = curves.max_error[sampled.segment] + strip_slack[sampled.strip]
-    s = skeleton.strip_s[sampled.strip]
-    distance = np.empty(len(granted))
-    for side in range(2):
-        interval = np.empty((len(granted), 3))
-        interval[:, 0] = s[:, 3 * side]
-        interval[:, 1] = s[:, 1 + side]
-        interval[:, 2] = 0.5 * (interval[:, 0] + interval[:, 1])
-        distances(t.si, t.sf, t.cp, skeleton.strip_i[sampled.strip, side], interval, sampled.disc, distance)
-        report.worst("curves_on_axis", distance - granted, sampled.disc)
-    report.worst("curves_empty", depth - granted, sampled.disc)
+    slack: what is granted to emptiness, beside the stated error.
+    """
+    strip = c.part_i[part, 1]
+    granted = c.max_error[run] + slack
+    for sample in SAMPLES:
+        at = c.part_f[part, 0] + sample * (c.part_f[part, 1] - c.part_f[part, 0])
+        spline_value(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, 3, run, at, boxes.points)
+        x = boxes.points[0, 0]
+        y = boxes.points[0, 1]
+        r = boxes.points[0, 2]
+        for side in range(2):
+            lo = k.strip_s[strip, 3 * side]
+            hi = k.strip_s[strip, 1 + side]
+            off = distance_from(t.si, t.sf, t.cp, k.strip_i[strip, side], lo, hi, 0.5 * (lo + hi), x, y, r)
+            worst(figures, CURVES_ON_AXIS, off - granted, x, y)
+        inside = depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, x, y, r)
+        worst(figures, CURVES_EMPTY, inside - granted, x, y)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.curve import bezier_frame, evaluate
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.judge_boxes import outside
 from mat_core.kernels.layout import (
     ARC,
@@ -25,14 +25,11 @@ from mat_core.kernels.layout import (
     KIND,
     LINE,
     RATIONAL,
-    SPIRAL,
     SWEEP,
     TX0,
     TX1,
     TY0,
     TY1,
-    V0,
-    V1,
     X0,
     X1,
     Y0,
@@ -50,13 +47,6 @@ INSET = 1e-3  # a first guess at an end is taken this share of the interval insi
 SETTLED = 1e-8  # a Newton step below this squares to rounding
 RETRIES = 6  # first guesses for a local foot
 CLOSE = 1e-10  # a foot this near to where a disc should touch is the one that was looked for
-BESIDE = 1e-15  # a foot this near to the footpoint is the same point
-POINTS = 8  # of the other side through which a first ball is laid
-BALL_STEPS = 40  # of the shrinking ball; five are usual
-BALL_SETTLED = 1e-14  # relative change of the radius that ends the iteration
-GROWTHS = 12  # doublings of the first radius until the ball meets the other side
-FIRST_RADIUS = 1e-3  # where none is known
-LARGEST = 1.0  # no disc in a domain of size at most 1 has a radius over 1/2
 
 
 @inner
@@ -116,7 +106,7 @@ def turn_fraction(px, py, qx, qy, sweep):
     return angle / sweep
 
 
-@jit
+@inner
 def foot(si, sf, cp, i, lo, hi, x, y, guess):
     """(distance, s): the foot of c on [lo, hi] of site i; on a SPIRAL the local one that `guess` leads to."""
     kind = si[i, KIND]
@@ -283,157 +273,56 @@ def _arc_distance(sf, i, x, y):
     return math.sqrt(min(dx * dx + dy * dy, ex * ex + ey * ey))
 
 
-@jit
-def depths(si, sf, cp, order, box, stack, work, binomial, disc, depth):
-    """How deep the boundary reaches into each disc x, y, r: r - distance of its centre, 0 if that is not positive.
+@inner
+def depth(si, sf, cp, order, box, stack, work, binomial, x, y, r):
+    """How deep the boundary reaches into a disc: r - distance of its centre, 0 if that is not positive.
 
-    order, box: from `judge_boxes`; stack (JUDGE_STACK,); work (JUDGE_ROWS, 2 d + 3) and binomial (2 d + 1, 2 d + 1), Pascal's
-    triangle, for pieces of degree up to d.
+    order, box: from `leaf_order` and `fill_boxes`; stack (JUDGE_STACK,); work (JUDGE_ROWS, 2 d + 3) and binomial
+    (2 d + 1, 2 d + 1), Pascal's triangle, for pieces of degree up to d.
     """
+    if not r > 0.0:
+        return 0.0
+    if not r < math.inf:
+        return math.inf
     n = si.shape[0]
-    for m in range(disc.shape[0]):
-        x = disc[m, 0]
-        y = disc[m, 1]
-        r = disc[m, 2]
-        depth[m] = 0.0
-        if not r > 0.0:
+    worst = 0.0
+    stack[0] = 1
+    top = 0
+    while top >= 0:
+        k = stack[top]
+        top -= 1
+        if outside(box, k, x, y, r):
             continue
-        if not r < math.inf:
-            depth[m] = math.inf
+        if k < n:
+            stack[top + 1] = 2 * k
+            stack[top + 2] = 2 * k + 1
+            top += 2
             continue
-        worst = 0.0
-        stack[0] = 1
-        top = 0
-        while top >= 0:
-            k = stack[top]
-            top -= 1
-            if outside(box, k, x, y, r):
-                continue
-            if k < n:
-                stack[top + 1] = 2 * k
-                stack[top + 2] = 2 * k + 1
-                top += 2
-                continue
-            i = order[k - n]
-            kind = si[i, KIND]
-            if kind == LINE:
-                gap = _line_distance(sf, i, x, y) - r
-            elif kind == ARC:
-                gap = _arc_distance(sf, i, x, y) - r
-            else:
-                gap = _outside_bezier(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], x - sf[i, X0], y - sf[i, Y0], r, work,
-                                      binomial)
-            if gap < worst:
-                worst = gap
-        depth[m] = -worst
-
-
-@jit
-def distances(si, sf, cp, site, interval, disc, distance):
-    """How far each disc x, y, r is from touching a part of a site: |distance of its centre - r|.
-
-    interval rows: lo, hi and the parameter to begin at. A local foot elsewhere is not believed before others were
-    tried.
-    """
-    for n in range(site.shape[0]):
-        x = disc[n, 0]
-        y = disc[n, 1]
-        lo = interval[n, 0]
-        hi = interval[n, 1]
-        guess = interval[n, 2]
-        best = math.inf
-        for attempt in range(RETRIES):
-            off = abs(foot(si, sf, cp, site[n], lo, hi, x, y, guess)[0] - disc[n, 2])
-            if off < best:
-                best = off
-            if best <= CLOSE:
-                break
-            guess = lo + (attempt + 0.5) / (RETRIES - 1.0) * (hi - lo)
-        distance[n] = best
+        i = order[k - n]
+        kind = si[i, KIND]
+        if kind == LINE:
+            gap = _line_distance(sf, i, x, y) - r
+        elif kind == ARC:
+            gap = _arc_distance(sf, i, x, y) - r
+        else:
+            gap = _outside_bezier(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], x - sf[i, X0], y - sf[i, Y0], r, work, binomial)
+        if gap < worst:
+            worst = gap
+    return -worst
 
 
 @inner
-def _common_vertex(si, sf, i, s, j, x, y):
-    """The point that distances between (i, s) and site j are best taken from: a vertex of both, else (x, y)."""
-    start = si[j, V0] == si[i, V0] or si[j, V1] == si[i, V0]
-    end = si[j, V0] == si[i, V1] or si[j, V1] == si[i, V1]
-    if end and (s > 0.5 or not start):
-        return sf[i, X1], sf[i, Y1]
-    if start:
-        return sf[i, X0], sf[i, Y0]
-    return x, y
+def distance_from(si, sf, cp, i, lo, hi, guess, x, y, r):
+    """How far a disc is from touching [lo, hi] of site i: |distance of its centre - r|.
 
-
-@jit
-def balls(si, sf, cp, site, site_s, frame, other, interval, disc, foot_s, partner):
-    """Discs tangent at footpoints `site_s` on `site` that touch a part of another site, by a shrinking ball.
-
-    frame rows: x, y, tx, ty of the footpoints; other: the sites; interval rows: lo, hi there, first radius. Fills
-    `disc` with rows x, y, r (r = inf if there is none), `foot_s` and rows x, y, tx, ty of `partner` with the other
-    foot.
+    A local foot elsewhere is not believed before others were tried; `guess` is the parameter to begin at.
     """
-    for n in range(other.shape[0]):
-        j = other[n]
-        ox, oy = _common_vertex(si, sf, site[n], site_s[n], j, frame[n, 0], frame[n, 1])
-        ax, ay, vx, vy, k, speed = evaluate(si, sf, cp, site[n], site_s[n], ox, oy)
-        lo = interval[n, 0]
-        hi = interval[n, 1]
-        px = frame[n, 0]
-        py = frame[n, 1]
-        tx = frame[n, 2]
-        ty = frame[n, 3]
-        r = interval[n, 2] if interval[n, 2] > 0.0 else FIRST_RADIUS
-        s = 0.5 * (lo + hi)
-        growths = 0
-        qx = qy = ux = uy = 0.0
-        # the ball through the best of some points of the other side is not too small, and its foot is near that one
-        best = 0.0
-        for point in range(POINTS if si[j, KIND] == SPIRAL else 0):
-            at = lo + (point + 0.5) / POINTS * (hi - lo)
-            bx, by, vx, vy, k, speed = evaluate(si, sf, cp, j, at, ox, oy)
-            dx = bx - ax
-            dy = by - ay
-            ahead = 2.0 * (tx * dy - ty * dx)
-            if ahead > best * (dx * dx + dy * dy):
-                best = ahead / (dx * dx + dy * dy)
-                s = at
-        r = 1.0 / best if best > 0.0 else r
-        for step in range(BALL_STEPS):
-            # of the local feet that the last one, both ends and the middle lead to, the one that allows the smallest ball
-            new = math.inf
-            last = s
-            for attempt in range(4 if si[j, KIND] == SPIRAL and step < 2 else 1):
-                guess = last if attempt == 0 else lo + 0.5 * (attempt - 1) * (hi - lo)
-                at = foot(si, sf, cp, j, lo, hi, px - r * ty, py + r * tx, guess)[1]
-                bx, by, vx, vy, k, speed = evaluate(si, sf, cp, j, at, ox, oy)
-                dx = bx - ax
-                dy = by - ay
-                ahead = 2.0 * (tx * dy - ty * dx)
-                # (a foot at the vertex of both sites is none, whatever a handle of a few roundings makes of its direction)
-                if ahead * min(new, LARGEST) > dx * dx + dy * dy > BESIDE * BESIDE:
-                    new = (dx * dx + dy * dy) / ahead
-                    s = at
-                    qx = dx
-                    qy = dy
-                    ux = vx
-                    uy = vy
-            if new == math.inf:
-                # nothing met yet, or only the footpoint itself, where both sites end: begin with a larger ball
-                growths += 1
-                if growths > GROWTHS:
-                    r = math.inf
-                    break
-                r *= 2.0
-                continue
-            settled = abs(new - r) <= BALL_SETTLED * new
-            r = new
-            if settled:
-                break
-        disc[n, 0] = px - r * ty
-        disc[n, 1] = py + r * tx
-        disc[n, 2] = r
-        partner[n, 0] = px + qx
-        partner[n, 1] = py + qy
-        partner[n, 2] = ux
-        partner[n, 3] = uy
-        foot_s[n] = s
+    best = math.inf
+    for attempt in range(RETRIES):
+        off = abs(foot(si, sf, cp, i, lo, hi, x, y, guess)[0] - r)
+        if off < best:
+            best = off
+        if best <= CLOSE:
+            break
+        guess = lo + (attempt + 0.5) / (RETRIES - 1.0) * (hi - lo)
+    return best

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import CP0, DEG, FAN, KIND, LINE, X0, X1, Y0, Y1
 
 UNSORTED = 64  # up to so many sites stand in loop order
@@ -19,26 +19,9 @@ _SPREAD = ((16, 0x0000FFFF0000FFFF), (8, 0x00FF00FF00FF00FF), (4, 0x0F0F0F0F0F0F
            (1, 0x5555555555555555))  # moves the bits of a number of 32 bits to the even places
 
 
-def judge_boxes(si: NDArray[np.int64], sf: NDArray[np.float64],
-                cp: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Sites in the order of the tree's leaves, and its boxes.
-
-    Parameters
-    ----------
-    si, sf, cp : ndarray
-        Of a SiteTable.
-
-    Returns
-    -------
-    order : ndarray (n,)
-    box : ndarray (2 n, 6)
-        Direction, least and largest coordinate along it and across it: of site order[k] in row n + k, of rows 2k and 2k+1
-        together in row k. Row 1 is the whole.
-    """
-    order = morton_order(sf) if len(sf) > UNSORTED else np.arange(len(sf))
-    box = np.empty((2 * len(sf), 6))
-    fill_boxes(si, sf, cp, order, box)
-    return order, box
+def leaf_order(sf: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Sites in the order of the tree's leaves."""
+    return morton_order(sf) if len(sf) > UNSORTED else np.arange(len(sf))
 
 
 def morton_order(sf: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -54,7 +37,7 @@ def morton_order(sf: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.argsort(code, kind="stable")
 
 
-@jit
+@inner
 def outside(box, k, x, y, r):
     """Whether box k does not reach into the disc."""
     along = x * box[k, 0] + y * box[k, 1]
@@ -100,9 +83,13 @@ def _enclose(box, k, ux, uy):
     return (box[k, 3] - box[k, 2]) * (box[k, 5] - box[k, 4]) if box[k, 2] <= box[k, 3] else 0.0
 
 
-@jit
+@inner
 def fill_boxes(si, sf, cp, order, box):
-    """All boxes; see `judge_boxes`. A fan is left out: its point is an end of both neighbours."""
+    """All boxes (2 n, 6) of the tree: direction, least and largest coordinate along it and across it.
+
+    That of site order[k] goes to row n + k, that of rows 2k and 2k + 1 together to row k; row 1 is the whole. A fan is left out:
+    its point is an end of both neighbours.
+    """
     n = si.shape[0]
     for leaf in range(n):
         i = order[leaf]
