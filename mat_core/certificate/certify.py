@@ -46,10 +46,10 @@ from mat_core.certificate.report import (
     made,
     to_dict,
 )
-from mat_core.certificate.splines import check_ends, check_piece, check_shape
+from mat_core.certificate.splines import SAMPLES, check_ends, check_piece, check_shape
 from mat_core.kernels.jit import jit
 from mat_core.kernels.judge import JUDGE_ROWS, JUDGE_STACK
-from mat_core.kernels.judge_boxes import fill_boxes, leaf_order
+from mat_core.kernels.judge_boxes import MOST_NEAR, fill_boxes, leaf_order
 from mat_core.kernels.layout import DEG, XMAX, XMIN, YMAX, YMIN
 from mat_core.model.domain import Domain
 
@@ -60,7 +60,8 @@ class Boxes(NamedTuple):
     """The tree of boxes over the sites, and the room that walking it and looking at pieces takes.
 
     order (n,), box (2 n, 6): see `fill_boxes`. stack (JUDGE_STACK,); work (JUDGE_ROWS, 2 d + 3) and binomial (2 d + 1, 2 d + 1),
-    Pascal's triangle, for pieces of degree up to d. points: rows for de Boor's triangle.
+    Pascal's triangle, for pieces of degree up to d. points: rows for de Boor's triangle. near (MOST_NEAR,): leaves; probe
+    (SAMPLES, 3): discs.
     """
 
     order: Ints
@@ -69,6 +70,8 @@ class Boxes(NamedTuple):
     work: Floats
     binomial: Floats
     points: Floats
+    near: Ints
+    probe: Floats
 
 
 class Room(NamedTuple):
@@ -190,7 +193,8 @@ def boxes_for(t: Boundary, e: Edges, c: Curves) -> Boxes:
     degree = max(int(c.degree.max(initial=1)), int(e.degree.max(initial=1)), 1)
     return Boxes(
         leaf_order(t.sf), np.empty((2 * len(t.sf), 6)), np.empty(JUDGE_STACK, dtype=np.int64), np.empty((JUDGE_ROWS, width + 2)),
-        _binomials(width), np.empty((degree + 1, 4)))  # fmt: skip
+        _binomials(width), np.empty((degree + 1, 4)), np.empty(MOST_NEAR, dtype=np.int64),
+        np.empty((len(SAMPLES), 3)))  # fmt: skip
 
 
 def _room(t: Boundary, k: Discs, g: Network) -> Room:

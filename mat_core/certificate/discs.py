@@ -24,7 +24,7 @@ from mat_core.certificate.coverage import owned
 from mat_core.certificate.report import DISCS_EMPTY, DISCS_TOUCHING, PARTNERS_LEFT, PARTNERS_RIGHT, made, worst
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
-from mat_core.kernels.judge import depth
+from mat_core.kernels.judge import CLOSE, depth
 from mat_core.kernels.judge_ball import ball
 from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, FAN, KIND, LEN, NEXT, PREV, SWEEP, TX0, TX1, TY0, TY1
 
@@ -97,7 +97,10 @@ def check_disc(t, k, d, boxes, granted, figures):
     x = k.disc[d, 0]
     y = k.disc[d, 1]
     r = k.disc[d, 2]
-    inside = depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, x, y, r)
+    first = min(k.contact_start[d], k.contact_site.shape[0] - 1)
+    last = max(k.contact_start[d + 1] - 1, 0)
+    inside = depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, x, y, r,
+                   k.contact_site[first], k.contact_s[first], k.contact_site[last], k.contact_s[last])
     worst(figures, DISCS_EMPTY, inside - granted[d] if r >= 0.0 else math.inf, x, y)
 
 
@@ -129,25 +132,34 @@ def check_partners(t, k, strip, boxes, slack, figures):
     neither = not right > NO_SIDE and not left > NO_SIDE
     if right > NO_SIDE or neither:
         at = s[strip, 0] + SAMPLES[0] * (s[strip, 1] - s[strip, 0])
-        _check_partner(t, k.strip_i[strip, 0], at, k.strip_i[strip, 1], s[strip, 3], s[strip, 2], radius, boxes, slack,
+        guess = s[strip, 2] + SAMPLES[0] * (s[strip, 3] - s[strip, 2])
+        _check_partner(t, k.strip_i[strip, 0], at, k.strip_i[strip, 1], s[strip, 3], s[strip, 2], guess, radius, boxes, slack,
                        PARTNERS_RIGHT, figures)
     if left > NO_SIDE or neither:
         at = s[strip, 3] + SAMPLES[1] * (s[strip, 2] - s[strip, 3])
-        _check_partner(t, k.strip_i[strip, 1], at, k.strip_i[strip, 0], s[strip, 0], s[strip, 1], radius, boxes, slack,
+        guess = s[strip, 1] + SAMPLES[1] * (s[strip, 0] - s[strip, 1])
+        _check_partner(t, k.strip_i[strip, 1], at, k.strip_i[strip, 0], s[strip, 0], s[strip, 1], guess, radius, boxes, slack,
                        PARTNERS_LEFT, figures)
 
 
 @inner
-def _check_partner(t, i, s, j, lo, hi, radius, boxes, slack, check, figures):
-    """The disc tangent at s on site i that touches [lo, hi] of site j."""
+def _check_partner(t, i, s, j, lo, hi, guess, radius, boxes, slack, check, figures):
+    """The disc tangent at s on site i that touches [lo, hi] of site j, near `guess` maybe."""
     x, y, tx, ty, curvature, speed = evaluate(t.si, t.sf, t.cp, i, s, 0.0, 0.0)
-    r, at, qx, qy, ux, uy = ball(t.si, t.sf, t.cp, i, s, x, y, tx, ty, j, lo, hi, radius)
-    if not r < math.inf:
-        worst(figures, check, math.inf, x, y)
-        return
-    cx = x - r * ty
-    cy = y + r * tx
-    inside = depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, cx, cy, r) - slack
-    off = _missed(t.si, t.sf, j, at, qx - cx, qy - cy, ux, uy, r)
+    cx = x
+    cy = y
+    inside = off = math.inf
+    for attempt in range(2):
+        # a disc that is not confirmed was too large, maybe: then all of the other side is searched
+        r, at, qx, qy, ux, uy = ball(t.si, t.sf, t.cp, i, s, x, y, tx, ty, j, lo, hi, radius, guess, attempt > 0)
+        if not r < math.inf:
+            continue
+        cx = x - r * ty
+        cy = y + r * tx
+        inside = depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, cx, cy, r, i, s, j, at)
+        inside -= slack
+        off = _missed(t.si, t.sf, j, at, qx - cx, qy - cy, ux, uy, r)
+        if inside <= CLOSE and off <= CLOSE:
+            break
     worst(figures, check, inside, cx, cy)
     worst(figures, check, off, cx, cy)

@@ -18,7 +18,8 @@ from mat_core.certificate.report import (
     worst,
 )
 from mat_core.kernels.jit import inner
-from mat_core.kernels.judge import depth, distance_from
+from mat_core.kernels.judge import depth, depth_near, distance_from
+from mat_core.kernels.judge_boxes import leaves_near, stretch
 from mat_core.kernels.judge_spline import spline_value
 
 SAMPLES = (0.057, 0.281, 0.473, 0.726, 0.894)  # of a piece; at places of no symmetry, so not at those of a fit
@@ -129,16 +130,46 @@ def check_piece(t, k, c, run, part, boxes, slack, figures):
     """
     strip = c.part_i[part, 1]
     granted = c.max_error[run] + slack
-    for sample in SAMPLES:
-        at = c.part_f[part, 0] + sample * (c.part_f[part, 1] - c.part_f[part, 0])
+    probe = boxes.probe
+    for n in range(probe.shape[0]):
+        at = c.part_f[part, 0] + SAMPLES[n] * (c.part_f[part, 1] - c.part_f[part, 0])
         spline_value(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, 3, run, at, boxes.points)
-        x = boxes.points[0, 0]
-        y = boxes.points[0, 1]
-        r = boxes.points[0, 2]
-        for side in range(2):
-            lo = k.strip_s[strip, 3 * side]
-            hi = k.strip_s[strip, 1 + side]
-            off = distance_from(t.si, t.sf, t.cp, k.strip_i[strip, side], lo, hi, 0.5 * (lo + hi), x, y, r)
-            worst(figures, CURVES_ON_AXIS, off - granted, x, y)
-        inside = depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, x, y, r)
+        for axis in range(3):
+            probe[n, axis] = boxes.points[0, axis]
+    count = _gather(boxes, probe)
+    right = k.strip_i[strip, 0]
+    left = k.strip_i[strip, 1]
+    s_right = 0.5 * (k.strip_s[strip, 0] + k.strip_s[strip, 1])
+    s_left = 0.5 * (k.strip_s[strip, 2] + k.strip_s[strip, 3])
+    for n in range(probe.shape[0]):
+        x = probe[n, 0]
+        y = probe[n, 1]
+        r = probe[n, 2]
+        # the feet of the sample before are near
+        off, s_right = distance_from(t.si, t.sf, t.cp, right, k.strip_s[strip, 0], k.strip_s[strip, 1], s_right, x, y, r, granted)
+        worst(figures, CURVES_ON_AXIS, off - granted, x, y)
+        off, s_left = distance_from(t.si, t.sf, t.cp, left, k.strip_s[strip, 3], k.strip_s[strip, 2], s_left, x, y, r, granted)
+        worst(figures, CURVES_ON_AXIS, off - granted, x, y)
+        if count >= 0:
+            inside = depth_near(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.near, count, boxes.work, boxes.binomial, x, y, r,
+                                right, s_right, left, s_left)
+        else:
+            inside = depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, x, y, r,
+                           right, s_right, left, s_left)
         worst(figures, CURVES_EMPTY, inside - granted, x, y)
+
+
+@inner
+def _gather(boxes, probe):
+    """Leaves that any of some discs may reach into: how many, or -1 where too many are near the line along them."""
+    last = probe.shape[0] - 1
+    ax = probe[0, 0]
+    ay = probe[0, 1]
+    bx = probe[last, 0]
+    by = probe[last, 1]
+    reach = 0.0
+    for n in range(last + 1):
+        own = stretch(ax, ay, bx, by, probe[n, 0], probe[n, 1], probe[n, 2])
+        if not own <= reach:
+            reach = own
+    return leaves_near(boxes.box, boxes.stack, boxes.near, ax, ay, bx, by, reach)

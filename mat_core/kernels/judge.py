@@ -74,11 +74,11 @@ def _bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
             a = s
         slope = x1 * x1 + y1 * y1 + dx * x2 + dy * y2
         new = s - g / slope if slope > 0.0 else (lo if g > 0.0 else hi)
+        if slope > 0.0 and abs(new - s) <= SETTLED:
+            s = min(max(new, lo), hi)
+            break
         if a < new < b:
-            near = abs(new - s) <= SETTLED
             s = new
-            if near:
-                break
             continue
         end = lo if new <= a else hi
         if end == a or end == b:
@@ -133,8 +133,8 @@ def foot(si, sf, cp, i, lo, hi, x, y, guess):
 
 
 @inner
-def _outside_bezier(cp, c0, deg, rational, x, y, r, work, binomial):
-    """min(0, smallest |C(s) - c| - r) over a whole Bezier piece.
+def _outside_bezier(cp, c0, deg, rational, x, y, r, hint, work, binomial):
+    """min(0, smallest |C(s) - c| - r) over a whole Bezier piece; `hint`: where the nearest point may be.
 
     The lowest h is the nearest point when w = 1; a rational piece is asked again with the smaller disc that was left.
     """
@@ -170,7 +170,7 @@ def _outside_bezier(cp, c0, deg, rational, x, y, r, work, binomial):
                 low = work[_FIRST, k]
         if low >= noise:
             break
-        gap = _least_gap(cp, c0, deg, rational, x, y, reach, work, noise)
+        gap = _least_gap(cp, c0, deg, rational, x, y, reach, hint, work, noise)
         if not gap < 0.0:
             break
         total += gap
@@ -178,7 +178,7 @@ def _outside_bezier(cp, c0, deg, rational, x, y, r, work, binomial):
 
 
 @inner
-def _least_gap(cp, c0, deg, rational, x, y, r, work, noise):
+def _least_gap(cp, c0, deg, rational, x, y, r, hint, work, noise):
     """Rows of h are halved until each is decided; columns n + 1, n + 2 hold the begin and width of its interval.
 
     `least` is the lowest value of h met so far: what cannot be lower need not be looked at, so a disc far too large
@@ -215,7 +215,8 @@ def _least_gap(cp, c0, deg, rational, x, y, r, work, noise):
         if low >= least + noise or hollow <= -noise:
             top -= 1
         elif bulge >= noise or top == _FIRST + HALVINGS:
-            distance = _bezier_foot(cp, c0, deg, rational, lo, lo + width, x, y, lo + 0.5 * width)[0]
+            guess = hint if lo < hint < lo + width else lo + 0.5 * width
+            distance = _bezier_foot(cp, c0, deg, rational, lo, lo + width, x, y, guess)[0]
             gap = min(gap, distance - r)
             if not rational:
                 least = min(least, (distance - r) * (distance + r))
@@ -274,8 +275,22 @@ def _arc_distance(sf, i, x, y):
 
 
 @inner
-def depth(si, sf, cp, order, box, stack, work, binomial, x, y, r):
+def _gap(si, sf, cp, i, work, binomial, x, y, r, i0, s0, i1, s1):
+    """Distance of site i from c less r, as far as it is negative."""
+    kind = si[i, KIND]
+    if kind == LINE:
+        return _line_distance(sf, i, x, y) - r
+    if kind == ARC:
+        return _arc_distance(sf, i, x, y) - r
+    hint = s0 if i == i0 else (s1 if i == i1 else 0.5)
+    return _outside_bezier(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], x - sf[i, X0], y - sf[i, Y0], r, hint, work, binomial)
+
+
+@inner
+def depth(si, sf, cp, order, box, stack, work, binomial, x, y, r, i0, s0, i1, s1):
     """How deep the boundary reaches into a disc: r - distance of its centre, 0 if that is not positive.
+
+    i0, s0 and i1, s1: two sites and where the point of them nearest to the centre may be; the search there begins at it.
 
     order, box: from `leaf_order` and `fill_boxes`; stack (JUDGE_STACK,); work (JUDGE_ROWS, 2 d + 3) and binomial
     (2 d + 1, 2 d + 1), Pascal's triangle, for pieces of degree up to d.
@@ -298,31 +313,43 @@ def depth(si, sf, cp, order, box, stack, work, binomial, x, y, r):
             stack[top + 2] = 2 * k + 1
             top += 2
             continue
-        i = order[k - n]
-        kind = si[i, KIND]
-        if kind == LINE:
-            gap = _line_distance(sf, i, x, y) - r
-        elif kind == ARC:
-            gap = _arc_distance(sf, i, x, y) - r
-        else:
-            gap = _outside_bezier(cp, si[i, CP0], si[i, DEG], si[i, RATIONAL], x - sf[i, X0], y - sf[i, Y0], r, work, binomial)
+        gap = _gap(si, sf, cp, order[k - n], work, binomial, x, y, r, i0, s0, i1, s1)
         if gap < worst:
             worst = gap
     return -worst
 
 
 @inner
-def distance_from(si, sf, cp, i, lo, hi, guess, x, y, r):
-    """How far a disc is from touching [lo, hi] of site i: |distance of its centre - r|.
+def depth_near(si, sf, cp, order, box, near, count, work, binomial, x, y, r, i0, s0, i1, s1):
+    """`depth` where no boxes but the first `count` of the leaves `near` reach into the disc."""
+    if not r > 0.0:
+        return 0.0
+    worst = 0.0
+    for m in range(count):
+        if outside(box, near[m], x, y, r):
+            continue
+        gap = _gap(si, sf, cp, order[near[m] - si.shape[0]], work, binomial, x, y, r, i0, s0, i1, s1)
+        if gap < worst:
+            worst = gap
+    return -worst
 
-    A local foot elsewhere is not believed before others were tried; `guess` is the parameter to begin at.
+
+@inner
+def distance_from(si, sf, cp, i, lo, hi, guess, x, y, r, granted):
+    """(off, s): how far a disc is from touching [lo, hi] of site i, |distance of its centre - r|, and the foot.
+
+    A local foot elsewhere is not believed before others were tried, unless it is as near as is granted; `guess` is the parameter
+    to begin at.
     """
     best = math.inf
+    best_s = guess
     for attempt in range(RETRIES):
-        off = abs(foot(si, sf, cp, i, lo, hi, x, y, guess)[0] - r)
+        distance, s = foot(si, sf, cp, i, lo, hi, x, y, guess)
+        off = abs(distance - r)
         if off < best:
             best = off
-        if best <= CLOSE:
+            best_s = s
+        if best <= max(granted, CLOSE):
             break
         guess = lo + (attempt + 0.5) / (RETRIES - 1.0) * (hi - lo)
-    return best
+    return best, best_s

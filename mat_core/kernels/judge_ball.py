@@ -34,20 +34,22 @@ def _common_vertex(si, sf, i, s, j, x, y):
 
 
 @inner
-def ball(si, sf, cp, i, si_s, px, py, tx, ty, j, lo, hi, first):
-    """(r, s, x, y, tx, ty): the disc tangent at si_s on site i, with frame p, t, that touches [lo, hi] of site j.
+def ball(si, sf, cp, i, s_i, px, py, tx, ty, j, lo, hi, first, guess, thorough):
+    """(r, s, x, y, tx, ty): the disc tangent at s_i on site i, with frame p, t, that touches [lo, hi] of site j.
 
-    `first`: a radius to begin with. r = inf if there is none; the rest is the foot on j, its place and tangent.
+    `first`, `guess`: a radius and a foot to begin with. r = inf if there is none; the rest is the foot on j, its place and
+    tangent. The foot found may be a local one, the disc then too large, unless the search is `thorough`.
     """
-    ox, oy = _common_vertex(si, sf, i, si_s, j, px, py)
-    ax, ay, vx, vy, k, speed = evaluate(si, sf, cp, i, si_s, ox, oy)
+    ox, oy = _common_vertex(si, sf, i, s_i, j, px, py)
+    ax, ay, vx, vy, k, speed = evaluate(si, sf, cp, i, s_i, ox, oy)
     r = first if first > 0.0 else FIRST_RADIUS
-    s = 0.5 * (lo + hi)
+    s = guess
     growths = 0
     qx = qy = ux = uy = 0.0
     # the ball through the best of some points of the other side is not too small, and its foot is near that one
     best = 0.0
-    for point in range(POINTS if si[j, KIND] == SPIRAL else 0):
+    thorough = thorough and si[j, KIND] == SPIRAL
+    for point in range(POINTS if thorough else 0):
         at = lo + (point + 0.5) / POINTS * (hi - lo)
         bx, by, vx, vy, k, speed = evaluate(si, sf, cp, j, at, ox, oy)
         dx = bx - ax
@@ -61,7 +63,7 @@ def ball(si, sf, cp, i, si_s, px, py, tx, ty, j, lo, hi, first):
         # of the local feet that the last one, both ends and the middle lead to, the one that allows the smallest ball
         new = math.inf
         last = s
-        for attempt in range(4 if si[j, KIND] == SPIRAL and step < 2 else 1):
+        for attempt in range(4 if thorough and step < 2 else 1):
             guess = last if attempt == 0 else lo + 0.5 * (attempt - 1) * (hi - lo)
             at = foot(si, sf, cp, j, lo, hi, px - r * ty, py + r * tx, guess)[1]
             bx, by, vx, vy, k, speed = evaluate(si, sf, cp, j, at, ox, oy)

@@ -15,6 +15,8 @@ from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import CP0, DEG, FAN, KIND, LINE, X0, X1, Y0, Y1
 
 UNSORTED = 64  # up to so many sites stand in loop order
+MOST_NEAR = 32  # leaves gathered for the discs of a piece; where there are more, each disc walks the tree itself
+ROUNDING = 1e-14  # of coordinates and of how far discs reach, normalised
 _SPREAD = ((16, 0x0000FFFF0000FFFF), (8, 0x00FF00FF00FF00FF), (4, 0x0F0F0F0F0F0F0F0F), (2, 0x3333333333333333),
            (1, 0x5555555555555555))  # moves the bits of a number of 32 bits to the even places
 
@@ -45,6 +47,52 @@ def outside(box, k, x, y, r):
     dx = max(0.0, box[k, 2] - along, along - box[k, 3])
     dy = max(0.0, box[k, 4] - across, across - box[k, 5])
     return dx * dx + dy * dy >= r * r
+
+
+@inner
+def stretch(ax, ay, bx, by, x, y, r):
+    """How far a disc reaches from the line from a to b."""
+    dx = bx - ax
+    dy = by - ay
+    length_sq = dx * dx + dy * dy
+    share = ((x - ax) * dx + (y - ay) * dy) / length_sq if length_sq > 0.0 else 0.0
+    share = min(max(share, 0.0), 1.0)
+    dx = x - ax - share * dx
+    dy = y - ay - share * dy
+    return math.sqrt(dx * dx + dy * dy) + max(r, 0.0)
+
+
+@inner
+def leaves_near(box, stack, near, ax, ay, bx, by, r):
+    """Fill `near` with the leaves that may reach within r of the line from a to b; how many, or -1 if they have no room."""
+    if not r < math.inf:
+        return -1
+    r += ROUNDING
+    n = box.shape[0] // 2
+    count = 0
+    stack[0] = 1
+    top = 0
+    while top >= 0:
+        k = stack[top]
+        top -= 1
+        along_a = ax * box[k, 0] + ay * box[k, 1]
+        along_b = bx * box[k, 0] + by * box[k, 1]
+        if max(along_a, along_b) + r < box[k, 2] or min(along_a, along_b) - r > box[k, 3]:
+            continue
+        across_a = ay * box[k, 0] - ax * box[k, 1]
+        across_b = by * box[k, 0] - bx * box[k, 1]
+        if max(across_a, across_b) + r < box[k, 4] or min(across_a, across_b) - r > box[k, 5]:
+            continue
+        if k < n:
+            stack[top + 1] = 2 * k
+            stack[top + 2] = 2 * k + 1
+            top += 2
+            continue
+        if count == near.shape[0]:
+            return -1
+        near[count] = k
+        count += 1
+    return count
 
 
 @inner

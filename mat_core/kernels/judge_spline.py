@@ -10,8 +10,8 @@ def spline_value(degree, knot_start, knots, cp_start, cp, axes, g, t, work):
     """The point of spline g at t to work[0, :axes], by de Boor's homogeneous triangle.
 
     Rows of `cp` hold `axes` coordinates (not multiplied by it) and the weight. Assumes clamped, rising knots. `work` has
-    (d + 1, axes + 1) or more. Coordinates are taken from the first control point on, so that weights of any size and a curve far away
-    cost no digits.
+    (d + 1, axes + 1) or more. Coordinates are taken from the first control point on, so that weights of any size and a
+    curve far away cost no digits.
     """
     d = degree[g]
     first = knot_start[g] + d

@@ -9,9 +9,9 @@ from mat_core.certificate.certify import Boxes, boxes_for
 from mat_core.certificate.inputs import NOTHING, Boundary, Curves, taken
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import jit
-from mat_core.kernels.judge import depth, distance_from, foot
+from mat_core.kernels.judge import depth, depth_near, distance_from, foot
 from mat_core.kernels.judge_ball import ball
-from mat_core.kernels.judge_boxes import fill_boxes
+from mat_core.kernels.judge_boxes import fill_boxes, leaves_near, stretch
 from mat_core.kernels.layout import FAN, KIND
 from tests.certificate.accused import Accused, accused
 
@@ -22,7 +22,18 @@ DENSE = 2000
 def depth_in(t, boxes, x, y, r):
     """`depth` in boxes not yet filled."""
     fill_boxes(t.si, t.sf, t.cp, boxes.order, boxes.box)
-    return depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, x, y, r)
+    return depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, x, y, r, -1, 0.0, -1, 0.0)
+
+
+@jit
+def depth_along(t, boxes, ax, ay, bx, by, x, y, r):
+    """(leaves, depth) by the leaves that are near the line from a to b; leaves are -1 where they have no room."""
+    fill_boxes(t.si, t.sf, t.cp, boxes.order, boxes.box)
+    reach = stretch(ax, ay, bx, by, x, y, r)
+    count = leaves_near(boxes.box, boxes.stack, boxes.near, ax, ay, bx, by, reach)
+    inside = depth_near(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.near, count, boxes.work, boxes.binomial, x, y, r,
+                        -1, 0.0, -1, 0.0)
+    return count, inside
 
 
 @jit
@@ -31,14 +42,14 @@ def foot_on(si, sf, cp, i, x, y, guess):
 
 
 @jit
-def ball_between(si, sf, cp, i, s, j, first):
+def ball_between(si, sf, cp, i, s, j, first, thorough):
     x, y, tx, ty, curvature, speed = evaluate(si, sf, cp, i, s, 0.0, 0.0)
-    return ball(si, sf, cp, i, s, x, y, tx, ty, j, 0.0, 1.0, first)
+    return ball(si, sf, cp, i, s, x, y, tx, ty, j, 0.0, 1.0, first, 0.5, thorough)
 
 
 @jit
 def distance_to(si, sf, cp, i, guess, x, y, r):
-    return distance_from(si, sf, cp, i, 0.0, 1.0, guess, x, y, r)
+    return distance_from(si, sf, cp, i, 0.0, 1.0, guess, x, y, r, 0.0)[0]
 
 
 def tree_of(a: Accused) -> tuple[Boundary, Boxes]:
@@ -83,6 +94,20 @@ def test_depths_and_feet_agree_with_dense_sampling(name: str) -> None:
                 assert abs(dx * tx + dy * ty) <= 1e-9
 
 
+@pytest.mark.parametrize("name", ["rectangle", "letter", "blob_with_holes", "plate", "ellipse", "gear"])
+def test_leaves_along_a_line_are_all_that_a_disc_near_it_reaches_into(name: str) -> None:
+    tree = tree_of(accused(name))
+    rng = np.random.default_rng(11)
+    gathered = 0
+    for _ in range(300):
+        line, disc = rng.uniform(-0.5, 0.5, 4), (*rng.uniform(-0.5, 0.5, 2), rng.uniform(0.0, 0.4))
+        count, inside = depth_along(*tree, *line, *disc)
+        if count >= 0:
+            gathered += 1
+            assert inside == depth_in(*tree, *disc)
+    assert gathered > 50
+
+
 def test_disc_of_no_size_and_of_no_end() -> None:
     tree = tree_of(accused("letter"))
     assert [depth_in(*tree, 0.0, 0.0, r) for r in (0.0, -1.0, np.inf, np.nan)] == [0.0, 0.0, np.inf, 0.0]
@@ -91,8 +116,8 @@ def test_disc_of_no_size_and_of_no_end() -> None:
 def test_ball_between_two_lines() -> None:
     """In a 2 x 1 rectangle the ball on the bottom side that touches the top one has half the height."""
     table = accused("rectangle").table
-    for first in (0.0, 1e-9, 0.1, 100.0):
-        r, s, x, y, tx, ty = ball_between(table.si, table.sf, table.cp, 0, 0.5, 2, first)
+    for first, thorough in ((0.0, False), (1e-9, True), (0.1, False), (100.0, True)):
+        r, s, x, y, tx, ty = ball_between(table.si, table.sf, table.cp, 0, 0.5, 2, first, thorough)
         assert r == pytest.approx(0.5 * table.scale, abs=1e-15)
         assert s == pytest.approx(0.5, abs=1e-15)
         assert (x, y, tx, ty) == pytest.approx((0.0, 0.5 * table.scale, -1.0, 0.0), abs=1e-15)
