@@ -99,7 +99,7 @@ def test_leaves_along_a_line_are_all_that_a_disc_near_it_reaches_into(name: str)
     tree = tree_of(accused(name))
     rng = np.random.default_rng(11)
     gathered = 0
-    for _ in range(300):
+    for _ in range(1500):
         line, disc = rng.uniform(-0.5, 0.5, 4), (*rng.uniform(-0.5, 0.5, 2), rng.uniform(0.0, 0.4))
         count, inside = depth_along(*tree, *line, *disc)
         if count >= 0:
