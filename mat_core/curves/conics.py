@@ -35,7 +35,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import ARC, FAN, K0, KIND, LINE, SPIRAL, SWEEP, TX0, TY0, X0, Y0
 
 Floats = NDArray[np.float64]
@@ -163,7 +163,7 @@ def _sharpen(
     return x, y, r, math.sqrt(ratio) if ratio > 0.0 else 0.0
 
 
-@jit
+@inner
 def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floats, row: int) -> float:
     """Write the quadratic from disc p0 to disc p2 to rows row .. row + 2 of `cp` (x, y, r, w); its measured error.
 

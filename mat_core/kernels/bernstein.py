@@ -6,7 +6,7 @@ where a product is a plain convolution.
 
 from __future__ import annotations
 
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 
 MAX_DEPTH = 44  # halvings of [0, 1] before a cluster of sign changes is taken as one
 NOISE = 1e-15  # coefficients below this share of the largest carry no sign
@@ -70,7 +70,7 @@ def _value(work, row, n, s):
     return total
 
 
-@jit
+@inner
 def _halve(work, row, n):
     """De Casteljau at 1/2: the left half stays in `row`, the right half goes to `row + 1`."""
     for i in range(n + 1):

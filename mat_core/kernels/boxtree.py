@@ -311,7 +311,7 @@ def _pass_on(si, sf, cp, i, skip, px, py, d0x, d0y, d1x, d1y, nx, ny, best, j, s
     return j, s
 
 
-@jit
+@inner
 def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
     """The first site that the growing disc tangent at s on site i, with inward normal n, touches: (phi, site, s_site).
 

@@ -44,7 +44,7 @@ BISECTIONS = 45  # of a parameter range, when a footpoint is sought
 DEEPEST = 50  # halvings towards V
 
 
-@jit
+@inner
 def distance(a: Floats, i: int, b: Floats, j: int) -> float:
     """Between the points of row i of `a` and row j of `b`."""
     return math.hypot(a[i, 0] - b[j, 0], a[i, 1] - b[j, 1])

@@ -40,7 +40,7 @@ MISSED = 1e-12  # a disc this near to its contacts touches them
 ANGLE_NEAR = 1e-5  # contacts nearer than this around a centre are ordered along the boundary, not by angle
 
 
-@jit
+@inner
 def find(parent, a):
     """Root of a in a union-find forest, halving the path."""
     while parent[a] != a:
@@ -81,7 +81,7 @@ def kink(si, sf, joint):
     return abs(sf[before, TX1] * sf[joint, TY0] - sf[before, TY1] * sf[joint, TX0])
 
 
-@jit
+@inner
 def same_disc(disc, a, b, tolerance):
     """Centre and radius agree."""
     dx = disc[a, 0] - disc[b, 0]
