@@ -27,7 +27,7 @@ TOLERANCE_RANGE = (1e-12, 1e-1)
 METHODS = ("discs", "march")
 CHECK_STEP_RANGE = (1, 10**6)
 
-STAGES = {"sites": 0.0, "skeleton": 0.05, "graph": 0.5, "curves": 0.55, "certificate": 0.7}
+STAGES = {"sites": 0.0, "skeleton": 0.05, "graph": 0.3, "curves": 0.35, "certificate": 0.45}
 """The stages that are reported as they begin, with the share of a large domain's time that lies before each, roughly."""
 
 Progress = Callable[[str, float], None]

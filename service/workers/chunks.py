@@ -17,7 +17,7 @@ from service.workers import wire
 from service.workers.channel import Channel, ChannelClosed, Message
 from service.workers.crew import Reason
 
-GATHER_SECONDS = 0.02
+GATHER_SECONDS = 0.05
 """How long result lines gather before they are read."""
 
 ATTEMPTS = 2

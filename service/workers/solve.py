@@ -35,6 +35,9 @@ MAX_PROBLEMS = 1000
 SOLVER_OPTIONS = frozenset(inspect.signature(mat_core.medial_axis).parameters) - {"domain", "progress"}
 """What this version of the library takes; the contract knows more."""
 
+SOLVING = (0.1, 0.9)
+"""The part of a large request between reading and encoding, as far as its progress is told."""
+
 _log = logging.getLogger("service.workers.solve")
 
 Answer = tuple[dict[str, Any], bytes]
@@ -134,6 +137,8 @@ def handle_lines(header: dict[str, Any], body: bytes, send: Callable[[bytes], No
 def _solve(name: str, form: str, body: bytes, report: Report | None) -> Answer:
     clock = Clock()
     operation = OPERATIONS.get(name)
+    if report is not None:
+        report("read", 0.0)
     domain, arguments = _read(body, operation)
     clock.lap("read")
     options = dict(domain.options)
@@ -141,12 +146,14 @@ def _solve(name: str, form: str, body: bytes, report: Report | None) -> Answer:
     try:
         for option in options.keys() - SOLVER_OPTIONS:
             raise mat_core.UnsupportedOption(option, "it is not available in this version")
-        axis = mat_core.medial_axis(domain, **options, progress=report)
+        axis = mat_core.medial_axis(domain, **options, progress=_within(report))
     except mat_core.UnsupportedOption as refusal:
         raise _unsupported(refusal, "/options") from refusal
     except mat_core.NotCertified as failure:
         raise _not_certified(failure) from failure
     clock.lap("solve")
+    if report is not None:
+        report("encode" if operation is None else operation.name, SOLVING[1])
     if operation is None:
         content = _encode_axis(axis, form, samples)
     else:
@@ -155,6 +162,14 @@ def _solve(name: str, form: str, body: bytes, report: Report | None) -> Answer:
         content = _encode_result(operation, axis, arguments, result, form)
     clock.lap("encode")
     return {"timings": clock.laps}, content
+
+
+def _within(report: Report | None) -> Report | None:
+    """What the library reports of its stages, as a part of the request."""
+    if report is None:
+        return None
+    begin, end = SOLVING
+    return lambda stage, fraction: report(stage, begin + (end - begin) * fraction)
 
 
 def _operate(operation: Operation, axis: mat_core.MedialAxis, arguments: dict[str, Any]) -> Result:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
-import subprocess
-import sys
 import time
 
 import pytest
@@ -14,8 +12,7 @@ import pytest
 from service.settings import MIB
 from service.workers.lanes import LARGE_BODY_BYTES
 from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
-from tests.service.live import ROOT
-from tests.service.processes import alive, descendants, eventually, status
+from tests.service.processes import alive, descendants, status
 from tests.service.workers.scenarios import eventually_in_loop, order, pid_of, with_pool
 
 
@@ -301,25 +298,3 @@ def test_requests_wait_while_a_nursery_that_cannot_load_is_tried_again() -> None
             await pool.solve({}, order("echo"))
 
     with_pool(scenario, handler="tests.service.no_such_module", deadline_seconds=1.5)
-
-
-def test_nothing_outlives_a_web_process_that_is_killed() -> None:
-    program = (
-        "import asyncio, os\n"
-        "from service.workers.pool import Pool\n"
-        "from service.settings import Settings\n"
-        "async def main():\n"
-        "    pool = Pool(Settings(), 'tests.service.handlers')\n"
-        "    async with pool.running():\n"
-        '        reply = await pool.solve({}, b\'{"do": "echo"}\')\n'
-        "        print(reply.header['pid'], flush=True)\n"
-        '        await pool.solve({}, b\'{"do": "spin", "seconds": 60}\')\n'
-        "asyncio.run(main())\n"
-    )
-    root = ROOT
-    with subprocess.Popen([sys.executable, "-c", program], cwd=root, stdout=subprocess.PIPE) as web:
-        assert web.stdout is not None
-        worker = int(web.stdout.readline())
-        assert alive(worker)
-        web.kill()
-    eventually(lambda: not alive(worker))
