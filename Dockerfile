@@ -22,9 +22,10 @@ FROM python:3.13-slim
 ENV NUMBA_CPU_NAME=generic \
     COMPILED_KERNELS=/opt/mat/kernels \
     NUMBA_CACHE_DIR=/run/mat/kernels \
+    MAT_DATA_DIR=/var/lib/mat \
     PATH=/opt/mat/venv/bin:$PATH \
     PYTHONUNBUFFERED=1
-RUN useradd --system --uid 10001 --no-create-home mat && install -d -o mat /run/mat
+RUN useradd --system --uid 10001 --no-create-home mat && install -d -o mat /run/mat /var/lib/mat
 COPY --from=build /opt/mat /opt/mat
 COPY docker/entrypoint.sh /usr/local/bin/entrypoint.sh
 WORKDIR /opt/mat

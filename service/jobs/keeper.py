@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from service.jobs.blobs import Blobs
 from service.jobs.calls import Calls
-from service.jobs.leases import RENEW_SECONDS, Reaper, Slot
+from service.jobs.leases import LEASE_SECONDS, RENEW_SECONDS, Reaper, Slot
 from service.jobs.port import StoreUnavailable
 from service.jobs.store import Store, engine_for
 from service.jobs.work import Work
@@ -171,7 +171,7 @@ class Keeper:
         settings = self._settings
         self._slot = Slot(settings.data_dir / "executors", settings.executor_id or socket.gethostname())
         name = self._slot.name
-        store.renew(name, RENEW_SECONDS)
+        store.renew(name, LEASE_SECONDS)
         executor = dbos.Executor(self._url, name, settings.role, settings.workers, self._work, loop)
         executor.launch()
         self._reaper = Reaper(store, name, lambda dead: dbos.resume(self._client, dead))

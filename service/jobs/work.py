@@ -11,10 +11,10 @@ import asyncio
 import contextlib
 import logging
 import time
+import uuid
 from collections.abc import AsyncGenerator, Callable
-from functools import partial
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, ParamSpec, TypeVar, cast
 
 import orjson
 
@@ -23,7 +23,7 @@ from service.jobs.blobs import Blobs
 from service.jobs.calls import Calls
 from service.jobs.port import Job, StoreUnavailable
 from service.jobs.store import Chunk, Enqueue, Store
-from service.settings import Settings
+from service.settings import MIB, Settings
 from service.workers.pool import DeadlineExceeded, Pool, Reply, WorkerCrashed
 
 PROGRESS_SECONDS = 0.5
@@ -41,8 +41,14 @@ READING_SECONDS = 10.0
 MESSAGE_CHARACTERS = 300
 """Of a failure's detail in the status; the whole is in the results."""
 
+WRITE_BYTES = MIB
+"""Of result lines that are held before they are written."""
+
 PROBLEM = b'{"type":"urn:mat:problem:'
 """How the result line of a domain that failed begins."""
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 _log = logging.getLogger("service.jobs")
 
@@ -75,17 +81,21 @@ class Work:
             await self._fail(self.store, job, RequestError("internal-error", "An unexpected failure, logged."))
 
     async def _finish_chunk(self, store: Store, job: Job, chunk: Chunk) -> None:
-        """Compute a chunk's result and note it."""
+        """Compute a chunk's result, store it, and note it."""
         body = await self._read(chunk.body)
-        if job.batch:
-            put, failed = await self._solve_lines(job, chunk, body)
-        else:
-            reply = await self._solve(store, job, body)
-            put, failed = partial(self._blobs.put, reply.body), 0
-        digest = await self._keep(put)
-        await self._calls.insist(store.finish_chunk, job.id, chunk.number, digest, failed, self._enqueue)
-        if not await self._calls.insist(self._blobs.has, digest):
-            await self._keep(put)  # removed with the last other job that had the same result
+        written = self._blobs.incoming / uuid.uuid4().hex
+        try:
+            if job.batch:
+                failed = await self._solve_lines(job, chunk, body, written)
+            else:
+                failed = 0
+                await self._patiently(_append, written, 0, (await self._solve(store, job, body)).body)
+            digest = await self._patiently(self._blobs.adopt, written)
+            await self._calls.insist(store.finish_chunk, job.id, chunk.number, digest, failed, self._enqueue)
+            if not await self._patiently(self._blobs.has, digest):
+                await self._patiently(self._blobs.adopt, written)  # it was removed with another job that had the same result
+        finally:
+            written.unlink(missing_ok=True)
 
     async def _read(self, digest: str) -> bytes:
         """The body of a chunk, which a shared file system may show here a little later than where it was written."""
@@ -135,27 +145,34 @@ class Work:
                 await self._calls.ask(store.progress, job.id, int(99 * fraction), f"Being worked on: {stage}.")
             await asyncio.sleep(PROGRESS_SECONDS)
 
-    async def _solve_lines(self, job: Job, chunk: Chunk, body: bytes) -> tuple[Callable[[], str], int]:
-        """The lines of a chunk's result: how to store them, and how many are problems."""
-        lines: list[bytes] = []
+    async def _solve_lines(self, job: Job, chunk: Chunk, body: bytes, written: Path) -> int:
+        """Write the result lines of a chunk as they come; how many are problems."""
+        failed = size = waiting_bytes = 0
+        waiting: list[bytes] = []
         seconds = self._settings.deadline_seconds
         results = self._pool.lines(self._header(job), body, first=chunk.first, deadline_seconds=seconds)
         async with contextlib.aclosing(cast("AsyncGenerator[bytes, None]", results)):
             async for line in results:
-                lines.append(line)
-        content = b"".join(line + b"\n" for line in lines)
-        return partial(self._blobs.put, content), sum(line.startswith(PROBLEM) for line in lines)
+                failed += line.startswith(PROBLEM)
+                waiting += (line, b"\n")
+                waiting_bytes += len(line) + 1
+                if waiting_bytes > WRITE_BYTES:
+                    await self._patiently(_append, written, size, b"".join(waiting))
+                    size += waiting_bytes
+                    waiting, waiting_bytes = [], 0
+        await self._patiently(_append, written, size, b"".join(waiting))
+        return failed
 
     def _header(self, job: Job) -> dict[str, Any]:
         keep: Path | None = self._settings.keep_failed_dir
         return {"operation": job.operation, "format": job.format, "keep": str(keep) if keep else None}
 
-    async def _keep(self, put: Callable[[], str]) -> str:
-        """Store a result, and again while that fails, for a while."""
+    async def _patiently(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """The value of a call that stores a result, made again while it fails, for a while."""
         end = time.monotonic() + STORING_SECONDS
         while True:
             try:
-                return await self._calls.file(put)
+                return await self._calls.file(function, *args, **kwargs)
             except StoreUnavailable:
                 if time.monotonic() > end:
                     raise
@@ -175,10 +192,17 @@ class Work:
         """End a job with the reason."""
         content = orjson.dumps({"code": error.code, "detail": error.detail, "extra": error.extra})
         try:
-            digest = await self._keep(partial(self._blobs.put, content))
+            digest = await self._patiently(self._blobs.put, content)
         except StoreUnavailable:
             digest = None  # the message says what can be said
         message = f"{error.code}: {error.detail}"[:MESSAGE_CHARACTERS]
         await self._calls.insist(store.finish, job.id, "failed", message, digest)
         if digest is not None and not self._blobs.has(digest):
-            await self._keep(partial(self._blobs.put, content))
+            await self._patiently(self._blobs.put, content)
+
+
+def _append(file: Path, size: int, content: bytes) -> None:
+    """Write to the end of a file that has a certain size; what an attempt before left beyond that is dropped."""
+    with file.open("ab") as opened:
+        opened.truncate(size)
+        opened.write(content)
