@@ -41,9 +41,10 @@ def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
         keep = str(settings.keep_failed_dir) if settings.keep_failed_dir else None
         header = {"operation": operation.name, "format": form, "keep": keep}
         reply = await _solve_unless_disconnected(request, pool, header, body, wishes.wait)
+        timings = {"queue": 1000 * reply.queue_seconds, **reply.header.get("timings", {})}
+        request.state.timings = timings
         if "error" in reply.header:
             raise RequestError(**reply.header["error"])
-        timings = {"queue": 1000 * reply.queue_seconds, **reply.header["timings"]}
         timing = ", ".join(f"{name};dur={value:.3f}" for name, value in timings.items())
         headers = {"Server-Timing": timing, "Vary": "Accept", **wishes.headers}
         return Response(reply.body, headers=headers, media_type=FORMATS[form])
