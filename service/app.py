@@ -51,6 +51,7 @@ def create_app(settings: Settings | None = None, handler: str = "service.workers
     app.state.settings = settings
     app.state.pool = pool
     app.state.jobs = DbosJobs(settings, pool)
+    app.state.leaving = False  # becomes true when the process has been asked to end
     app.state.metrics = Metrics(pool)
     app.add_middleware(RequestContext)
     responses.install(app)

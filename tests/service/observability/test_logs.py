@@ -83,7 +83,7 @@ def test_what_workers_print_is_passed_on(
         stream.feed_eof()
         await forward(stream)
 
-    asyncio.run(run(), debug=False)
+    asyncio.run(run())
     assert [entry.name for entry in caplog.records] == [OUTPUT] * wrapped
     assert capsys.readouterr().err.splitlines() == written
     said = "".join(caplog.messages)
