@@ -21,7 +21,7 @@ import time
 from collections import Counter, deque
 from collections.abc import AsyncGenerator, Iterator
 from dataclasses import dataclass, field
-from typing import IO, Any
+from typing import IO, Any, cast
 
 import orjson
 from tqdm import tqdm
@@ -65,7 +65,7 @@ class Tally:
 
 def batch(asked: argparse.Namespace) -> int:
     """Solve every line of the input that the output does not answer yet."""
-    logging.basicConfig(format="mat: %(message)s", level=logging.WARNING)
+    _log_plainly()
     told, members = header(asked, asked.format), additions(asked)
     settings = _settings(asked)
     _spare(asked)
@@ -80,6 +80,21 @@ def batch(asked: argparse.Namespace) -> int:
     if tally.failed:
         tell(str(tally))
     return SOME_FAILED if tally.failed else OK
+
+
+class _Plain(logging.Formatter):
+    """For people; a worker's traceback comes with its line."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The lines, without the last end."""
+        return "\n".join(filter(None, (f"mat: {super().format(record)}", getattr(record, "exception", None))))
+
+
+def _log_plainly() -> None:
+    """Show warnings of the pool and its workers as a command does."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(_Plain())
+    logging.basicConfig(level=logging.WARNING, handlers=[handler])
 
 
 def _settings(asked: argparse.Namespace) -> Settings:
@@ -199,22 +214,8 @@ async def _loaded(pool: Pool, bar: tqdm[Any]) -> None:
 async def _results(pool: Pool, told: dict[str, Any], chunks: Chunks, first: int, body: bytes) -> list[bytes]:
     """The result lines of a chunk."""
     begun = time.monotonic()
-    async with contextlib.aclosing(_lines(pool, told, first, body)) as lines:
+    lines = cast("AsyncGenerator[bytes]", pool.lines(told, body, first=first))
+    async with contextlib.aclosing(lines):
         results = [line async for line in lines]
     chunks.took(time.monotonic() - begun, len(results))
     return results
-
-
-async def _lines(pool: Pool, told: dict[str, Any], first: int, body: bytes) -> AsyncGenerator[bytes]:
-    """One result line for each domain of a chunk, one after the other."""
-    from service.errors import RequestError
-
-    for number, line in enumerate(body.splitlines(), first + 1):
-        if not line.strip():
-            continue
-        reply = await pool.solve(told, line)
-        if "error" in reply.header:
-            error = RequestError(**reply.header["error"])
-            yield orjson.dumps(error.document() | {"line": number})
-        else:
-            yield reply.body

@@ -19,10 +19,10 @@ def solve(asked: argparse.Namespace) -> int:
     form = form_of(asked)
     told, members = header(asked, form), additions(asked)
     body = with_additions(files.read(asked.input), members)
-    with _interruptible(), waiting("solving; the first time compiles kernels, about a minute:"):
+    with _interruptible(), waiting("loading, which takes a minute the first time:") as stage:
         from service.workers.solve import handle
 
-        meta, content = handle(told, body)
+        meta, content = handle(told, body, lambda name, fraction: stage(f"{name}, {fraction:.0%}:"))
     if "error" in meta:
         raise refusal(files.shown(asked.input, "input"), meta["error"])
     files.write(asked.output, content + b"\n" if asked.output == files.STANDARD and form != "dxf" else content)

@@ -148,7 +148,8 @@ class Work:
 
     def _header(self, job: Job) -> dict[str, Any]:
         keep: Path | None = self._settings.keep_failed_dir
-        return {"operation": job.operation, "format": job.format, "keep": str(keep) if keep else None}
+        ids = {"job_id": job.id}
+        return {"operation": job.operation, "format": job.format, "keep": str(keep) if keep else None, "ids": ids}
 
     async def _keep(self, put: Callable[[], str]) -> str:
         """Store a result, and again while that fails, for a while."""

@@ -75,14 +75,18 @@ def install(level: str) -> None:
 
 
 async def forward(stream: asyncio.StreamReader) -> None:
-    """Write on what the processes below this one print: JSON lines as they are, anything else in one."""
-    log = logging.getLogger(OUTPUT)
+    """Log what the processes below this one print: their lines of JSON as what they say, anything else as it is."""
     while line := await _line(stream):
         text = line.decode(errors="replace").rstrip()
-        if text.startswith('{"time":') and text.endswith("}"):
-            sys.stderr.write(text + "\n")
-        elif text:
-            log.warning("%s", text)
+        if not text:
+            continue
+        try:
+            said = orjson.loads(text)
+            name, level, message = said.pop("logger"), said.pop("level"), said.pop("message")
+            extra = {f"{key}_" if key in _STANDARD else key: value for key, value in said.items() if key != "time"}
+            logging.getLogger(name).log(logging.getLevelNamesMapping()[level.upper()], "%s", message, extra=extra)
+        except (ValueError, LookupError, TypeError, AttributeError):
+            logging.getLogger(OUTPUT).warning("%s", text)
 
 
 async def _line(stream: asyncio.StreamReader) -> bytes:

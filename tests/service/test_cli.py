@@ -177,8 +177,11 @@ def test_a_reader_that_went_away() -> None:
 
 def test_a_solver_is_interrupted_at_once(tmp_path: Path) -> None:
     """Even in a compiled loop, which never looks at signals; here it is a call that keeps the interpreter's lock."""
-    loop = "lambda domain, tolerance=0, smooth_angle=0: (print(flush=True), [ctypes.PyDLL(None).sleep(9) for _ in range(9)])"
-    (tmp_path / "sitecustomize.py").write_text(f"import ctypes, mat_core\nmat_core.medial_axis = {loop}\n")
+    loop = "lambda *_, **__: (print(flush=True), [ctypes.PyDLL(None).sleep(9) for _ in range(9)])"
+    (tmp_path / "sitecustomize.py").write_text(
+        "import ctypes, functools, mat_core\n"
+        f"mat_core.medial_axis = functools.wraps(mat_core.medial_axis)({loop})\n"
+    )
     environment = {**ENVIRONMENT, "PYTHONPATH": f"{tmp_path}:{ROOT}"}
     with subprocess.Popen([*COMMAND, "solve", str(PLATE)], env=environment, stdout=subprocess.PIPE) as mat:
         assert mat.stdout is not None

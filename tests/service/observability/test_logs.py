@@ -8,7 +8,7 @@ import logging
 import re
 import subprocess
 import sys
-from typing import Any
+from pathlib import Path
 
 import pytest
 from starlette.testclient import TestClient
@@ -22,10 +22,10 @@ HANDLER = "tests.service.handlers"
 TRACE = "0af7651916cd43dd8448eb211c80319c"
 
 
-def formatted(record: logging.LogRecord) -> dict[str, Any]:
+def formatted(record: logging.LogRecord) -> dict[str, object]:
     text = JsonLines().format(record)
     assert "\n" not in text
-    document: dict[str, Any] = json.loads(text)
+    document: dict[str, object] = json.loads(text)
     return document
 
 
@@ -66,33 +66,50 @@ def test_a_line_written_during_a_request_carries_its_ids() -> None:
     assert "request_id" not in formatted(record("afterwards"))
 
 
-@pytest.mark.parametrize(
-    ("given", "wrapped", "written"),
-    [
-        (b'{"time":"t","level":"error"}\nFatal Python error\n\n', 1, ['{"time":"t","level":"error"}']),
-        (b"no end", 1, []),
-        (b"x" * 3000 + b"\n\xff\n", 2, []),
-    ],
-)
-def test_what_workers_print_is_passed_on(
-    given: bytes, wrapped: int, written: list[str], caplog: pytest.LogCaptureFixture, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_workers_print_is_passed_on(caplog: pytest.LogCaptureFixture) -> None:
+    """A line of their log as what it says, a crash report or anything else as it is, however long."""
+    said = b'{"time":"t","level":"error","logger":"service.x","message":"100 % bad","request_id":"r","name":"n","code":5}'
+    lines = [said, b"Fatal Python error: Aborted", b"", b"x" * 3000, b'{"time": 1}', b"[]", b"\xff", b"no end"]
+
     async def run() -> None:
         stream = asyncio.StreamReader(limit=1500)
-        stream.feed_data(given)
+        stream.feed_data(b"\n".join(lines))
         stream.feed_eof()
         await forward(stream)
 
     asyncio.run(run())
-    assert [entry.name for entry in caplog.records] == [OUTPUT] * wrapped
-    assert capsys.readouterr().err.splitlines() == written
-    said = "".join(caplog.messages)
-    assert all(part.decode(errors="replace") in said for part in given.split(b"\n") if part and not part.startswith(b"{"))
+    first, *others = caplog.records
+    assert (first.name, first.levelname, first.getMessage()) == ("service.x", "ERROR", "100 % bad")
+    assert vars(first).items() >= {"request_id": "r", "code": 5, "name_": "n"}.items()
+    assert {entry.name for entry in others} == {OUTPUT}
+    assert [entry.getMessage() for entry in others] == [line.decode(errors="replace") for line in lines[1:] if line]
 
 
-def test_each_answer_is_one_line_with_its_ids_sizes_times_and_code(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_worker_s_own_lines_are_json_and_carry_the_request_s_id(tmp_path: Path) -> None:
+    """A crash report of the interpreter, and the line of a handler that failed where it must not."""
+    program = f"""
+from starlette.testclient import TestClient
+from service.app import create_app
+from service.settings import Settings
+from tests.service.test_app import wait_until_ready
+from pathlib import Path
+with TestClient(create_app(Settings(workers=1, data_dir=Path({str(tmp_path)!r})), {HANDLER!r})) as client:
+    wait_until_ready(client)
+    for do in ("crash", "complain"):
+        client.post("/v1/mat", content='{{"do": "%s"}}' % do, headers={{"X-Request-ID": do, "Content-Type": "application/json"}})
+"""
+    ended = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    lines = [json.loads(line) for line in ended.stderr.splitlines()]
+    assert any(line["logger"] == OUTPUT and "Segmentation fault" in line["message"] for line in lines)
+    (complaint,) = (line for line in lines if line["logger"] == "tests.handlers")
+    assert (complaint["level"], complaint["message"], complaint["request_id"]) == ("warning", "as ordered", "complain")
+    assert "in complain\n" in complaint["exception"]
+
+
+def test_each_answer_is_one_line_with_its_ids_sizes_times_and_code(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     headers = {"X-Request-ID": "logged", "traceparent": f"00-{TRACE}-b7ad6b7169203331-01", "Content-Type": "application/json"}
-    with TestClient(create_app(Settings(workers=1), HANDLER)) as client, caplog.at_level("INFO", "service.access"):
+    app = create_app(Settings(workers=1, data_dir=tmp_path), HANDLER)
+    with TestClient(app) as client, caplog.at_level("INFO", "service.access"):
         answered = client.post("/v1/mat", content=b'{"do": "echo"}', headers=headers)
         client.post("/v1/mat", content=b"x" * 10, headers={"Content-Type": "text/plain"})
         client.get("/healthz")
@@ -107,7 +124,7 @@ def test_each_answer_is_one_line_with_its_ids_sizes_times_and_code(caplog: pytes
     assert vars(bad).items() >= {"status": 415, "code": "unsupported-media-type"}.items()
 
 
-def test_the_whole_process_speaks_json(tmp_path: Any) -> None:
+def test_the_whole_process_speaks_json(tmp_path: Path) -> None:
     """The server's own lines, a warning of Python's, and one of a library that prints in its own way."""
     program = """
 import logging, warnings, uvicorn
