@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -11,7 +10,9 @@ from fastapi import FastAPI
 from service import __version__, openapi, responses
 from service.jobs.dbos_jobs import DbosJobs
 from service.middleware import RequestContext
-from service.routes import batches, docs, health, jobs, solve
+from service.observability import logs
+from service.observability.metrics import Metrics
+from service.routes import batches, docs, health, jobs, metrics, solve
 from service.settings import Settings
 from service.workers.pool import Pool
 
@@ -50,22 +51,17 @@ def create_app(settings: Settings | None = None, handler: str = "service.workers
     app.state.settings = settings
     app.state.pool = pool
     app.state.jobs = DbosJobs(settings, pool)
+    app.state.leaving = False  # becomes true when the process has been asked to end
+    app.state.metrics = Metrics(pool)
     app.add_middleware(RequestContext)
     responses.install(app)
     app.include_router(solve.router)
     app.include_router(jobs.router)
     app.include_router(batches.router)
     app.include_router(health.router)
+    app.include_router(metrics.router)
     app.include_router(docs.router)
     app.mount("/static", docs.files, name="static")
     openapi.install(app)
-    _log_lines(settings.log_level)
+    logs.install(settings.log_level)
     return app
-
-
-def _log_lines(level: str) -> None:
-    """Send the service's log to standard error, one line an entry, unless the host has set up logging itself."""
-    log = logging.getLogger("service")
-    if not log.hasHandlers():
-        log.addHandler(logging.StreamHandler())
-        log.setLevel(level.upper())

@@ -1,27 +1,20 @@
-"""What surrounds every request: its id, in and out, and one line of log."""
+"""What surrounds every request: its id, in and out, and what is told of it."""
 
 from __future__ import annotations
 
-import json
-import logging
 import re
-import time
 import uuid
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-_log = logging.getLogger("service.access")
+from service.observability.requests import Watch
 
 _SAFE_ID = re.compile(r"[A-Za-z0-9._:/+=@-]{1,128}")
 """An id from outside goes into headers and logs, so only harmless ones are taken over."""
 
-HEALTH = ("/healthz", "/readyz")
-"""Asked every few seconds by machines; the answer is no news for people."""
-
-
 class RequestContext:
-    """ASGI middleware: ``request.state.request_id``, the header X-Request-ID, and a JSON line for each answer."""
+    """ASGI middleware: ``request.state.request_id``, the header X-Request-ID, and what is told of each answer."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -35,8 +28,8 @@ class RequestContext:
         request_id = given if _SAFE_ID.fullmatch(given) else uuid.uuid4().hex
         state = scope.setdefault("state", {})
         state["request_id"] = request_id
-        begun = time.monotonic()
-        status = 499  # the client went away before there was an answer
+        watch = Watch(scope, request_id)
+        status: int | None = None
         sent = 0
 
         async def send_with_id(message: Message) -> None:
@@ -50,14 +43,4 @@ class RequestContext:
         try:
             await self._app(scope, receive, send_with_id)
         finally:
-            line = {
-                "request_id": request_id,
-                "method": scope["method"],
-                "path": scope["path"],
-                "status": status,
-                "code": state.get("code"),
-                "ms": round(1000 * (time.monotonic() - begun), 1),
-                "bytes_in": state.get("bytes_in", 0),
-                "bytes_out": sent,
-            }
-            _log.log(logging.DEBUG if scope["path"] in HEALTH else logging.INFO, json.dumps(line))
+            watch.end(status, sent)

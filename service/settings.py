@@ -107,6 +107,10 @@ class Settings:
         A worker whose resident size is above this after an answer is replaced, so that one big domain leaves no trace.
     worker_recycle_requests : int
         A worker that has answered so many requests or lines of a batch is replaced; 0: never.
+    shutdown_notice_seconds : float
+        How long requests are still taken after SIGTERM while /readyz says no: what a load balancer needs to notice.
+    shutdown_drain_seconds : float
+        Longest time that requests in flight are then given to end; whole seconds.
     log_level : str
         What is logged: debug (health checks, too), info (a line a request), warning or error.
     keep_failed_dir : Path or None
@@ -136,6 +140,8 @@ class Settings:
     worker_memory_bytes: int = field(default=1024 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
     worker_recycle_bytes: int = field(default=512 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
     worker_recycle_requests: int = field(default=10_000, metadata={"read": _integer(0, 1_000_000_000)})
+    shutdown_notice_seconds: float = field(default=0.0, metadata={"read": _seconds(0, 3600)})
+    shutdown_drain_seconds: float = field(default=20.0, metadata={"read": _seconds(0, 86_400)})
     log_level: str = field(default="info", metadata={"read": _level})
     keep_failed_dir: Path | None = field(default=None, metadata={"read": _folder})
     data_dir: Path = field(default_factory=_state_folder, metadata={"read": _required_folder})

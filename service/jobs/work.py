@@ -165,7 +165,8 @@ class Work:
 
     def _header(self, job: Job) -> dict[str, Any]:
         keep: Path | None = self._settings.keep_failed_dir
-        return {"operation": job.operation, "format": job.format, "keep": str(keep) if keep else None}
+        ids = {"job_id": job.id}
+        return {"operation": job.operation, "format": job.format, "keep": str(keep) if keep else None, "ids": ids}
 
     async def _patiently(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The value of a call that stores a result, made again while it fails, for a while."""

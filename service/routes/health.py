@@ -22,6 +22,8 @@ async def healthz() -> Status:
 async def readyz(request: Request) -> Status:
     """The workers are warm, the queue has room, jobs can be stored. If not, send requests elsewhere for a while."""
     pool: Pool = request.app.state.pool
+    if request.app.state.leaving:
+        raise RequestError("not-ready", "The service has been asked to end; send requests elsewhere.")
     if not pool.ready:
         raise RequestError("not-ready", _loading(pool), {"failed": pool.load_failed})
     if pool.full:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from starlette.requests import ClientDisconnect
 
 from service.errors import RequestError
 from service.negotiation import FORMATS, check_content, choose_format
+from service.observability.logs import IDS
 from service.operations import OPERATIONS, Operation
 from service.preferences import read_preferences
 from service.routes import jobs
@@ -39,11 +40,12 @@ def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
         if wishes.respond_async:
             return await jobs.submit(request, operation.name, form, body, wishes)
         keep = str(settings.keep_failed_dir) if settings.keep_failed_dir else None
-        header = {"operation": operation.name, "format": form, "keep": keep}
+        header = {"operation": operation.name, "format": form, "keep": keep, "ids": dict(IDS.get())}
         reply = await _solve_unless_disconnected(request, pool, header, body, wishes.wait)
+        timings = {"queue": 1000 * reply.queue_seconds, **reply.header.get("timings", {})}
+        request.state.timings = timings
         if "error" in reply.header:
             raise RequestError(**reply.header["error"])
-        timings = {"queue": 1000 * reply.queue_seconds, **reply.header["timings"]}
         timing = ", ".join(f"{name};dur={value:.3f}" for name, value in timings.items())
         headers = {"Server-Timing": timing, "Vary": "Accept", **wishes.headers}
         return Response(reply.body, headers=headers, media_type=FORMATS[form])
@@ -88,7 +90,7 @@ async def read_body(request: Request, limit: int) -> bytes:
 
 
 async def _solve_unless_disconnected(
-    request: Request, pool: Pool, header: dict[str, str | None], body: bytes, wait: int | None
+    request: Request, pool: Pool, header: dict[str, Any], body: bytes, wait: int | None
 ) -> Reply:
     """Wait for the answer and for the client's going away, whichever comes first; the latter frees the worker."""
     longest = request.app.state.settings.deadline_seconds

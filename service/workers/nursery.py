@@ -33,6 +33,7 @@ import sys
 from types import ModuleType
 from typing import NoReturn
 
+from service.observability import logs
 from service.workers import wire
 from service.workers.process import die_with_parent, limit_memory, resident_bytes
 
@@ -49,6 +50,7 @@ def main() -> None:
     """Load the handler, say so, then serve commands until the control stream ends."""
     handler_name, (control_fd, event_fd, memory_bytes, parent) = sys.argv[1], map(int, sys.argv[2:])
     faulthandler.enable()
+    logs.install((os.environ.get("MAT_LOG_LEVEL") or "info").strip())
     die_with_parent(parent)
     control = socket.socket(fileno=control_fd)
     events = Events(event_fd)
@@ -176,6 +178,7 @@ def work(handler: ModuleType, channel: socket.socket) -> None:
     while (message := wire.receive(channel)) is not None:
         header, body = message
         header["unused"] = served == 0
+        logs.IDS.set(header.get("ids", {}))  # what is logged on the way is found by them
         if header.get("lines"):
             answer, content = handler.handle_lines(header, body, send_line), b""
         else:

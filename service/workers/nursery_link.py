@@ -12,6 +12,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
+from service.observability import logs
 from service.workers.channel import Channel
 from service.workers.nursery import COMMAND, KILL, LOWER, SPAWN
 
@@ -41,16 +42,20 @@ class NurseryLink:
         protocol = asyncio.StreamReaderProtocol(reader)
         events, _ = await asyncio.get_running_loop().connect_read_pipe(lambda: protocol, pipe)
         process = None
+        printed = None
         try:
             with its_control, os.fdopen(event_write, "wb", 0):
                 process = await asyncio.create_subprocess_exec(
                     *(sys.executable, "-P", "-m", "service.workers.nursery", handler),
                     *(str(its_control.fileno()), str(event_write), str(memory_bytes), str(os.getpid())),
                     stdin=asyncio.subprocess.DEVNULL,
+                    stderr=asyncio.subprocess.PIPE,
                     pass_fds=(its_control.fileno(), event_write),
                     env=_environment(),
                     start_new_session=True,  # Ctrl-C on a terminal is for the web process to handle
                 )
+            assert process.stderr is not None
+            printed = asyncio.create_task(logs.forward(process.stderr))
             control.setblocking(False)
             yield cls(process, control, reader)
         finally:
@@ -58,6 +63,9 @@ class NurseryLink:
             events.close()
             if process is not None:
                 await _end(process)
+            if printed is not None:
+                await asyncio.wait([printed], timeout=GOODBYE_SECONDS)
+                printed.cancel()
 
     async def events(self) -> AsyncIterator[dict[str, Any]]:
         """What the nursery reports, until it ends."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 import signal
 import stat
@@ -106,9 +107,19 @@ def refuse(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
     return ({"error": {"code": order["code"], "detail": "as ordered", "extra": order.get("extra", {})}},)
 
 
+def complain(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
+    """Log what went wrong, and answer all the same."""
+    try:
+        raise ZeroDivisionError
+    except ZeroDivisionError:
+        logging.getLogger("tests.handlers").warning("as ordered", exc_info=True)
+    return ({},)
+
+
 KEPT: list[bytearray] = []
 ACTIONS = {
     "again": echo,
+    "complain": complain,
     "crash": crash,
     "crash_once": crash_once,
     "echo": echo,

@@ -240,16 +240,6 @@ def test_a_defect_of_the_web_side_is_a_problem_too(monkeypatch: pytest.MonkeyPat
     problem(client.post("/v1/mat", content=order("echo"), headers=JSON), "internal-error")
 
 
-def test_each_answer_is_one_line_of_log(client: TestClient, caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level("INFO", "service.access"):
-        client.post("/v1/mat", content=b"x" * 10, headers={"X-Request-ID": "logged", "Content-Type": "text/plain"})
-    line = json.loads(caplog.messages[-1])
-    assert line["request_id"] == "logged"
-    assert (line["status"], line["code"], line["path"]) == (415, "unsupported-media-type", "/v1/mat")
-    assert line["bytes_out"] > 0
-    assert line["ms"] >= 0
-
-
 def test_the_documentation_needs_nothing_from_elsewhere(client: TestClient) -> None:
     page = client.get("/docs").text
     assert "http://" not in page

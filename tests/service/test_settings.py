@@ -21,6 +21,8 @@ def test_every_field_is_read_from_its_variable() -> None:
         "MAT_WORKER_MEMORY_BYTES": "100000000",
         "MAT_WORKER_RECYCLE_BYTES": "200000000",
         "MAT_WORKER_RECYCLE_REQUESTS": "300",
+        "MAT_SHUTDOWN_NOTICE_SECONDS": "3",
+        "MAT_SHUTDOWN_DRAIN_SECONDS": "4",
         "MAT_LOG_LEVEL": "Warning",
         "MAT_KEEP_FAILED_DIR": "/tmp/failed",
         "MAT_DATA_DIR": "/tmp/jobs",
@@ -34,7 +36,7 @@ def test_every_field_is_read_from_its_variable() -> None:
     }
     assert set(given) == {variable(item.name) for item in fields(Settings)}
     assert Settings.from_environment(given) == Settings(
-        *(3, 2048, 1.5, 0, 100_000_000, 200_000_000, 300, "warning", Path("/tmp/failed")),
+        *(3, 2048, 1.5, 0, 100_000_000, 200_000_000, 300, 3.0, 4.0, "warning", Path("/tmp/failed")),
         *(Path("/tmp/jobs"), "postgresql://mat@localhost/mat", "api", "mat-1", 100.0, 1000.0, 10, 4096),
     )
 

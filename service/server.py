@@ -1,0 +1,69 @@
+"""The process that serves: uvicorn, with an end in good order.
+
+::
+
+    SIGTERM ──> /readyz says no ──notice──> no new connections ──drain──> what still runs is killed ──> exit code 0
+                requests are taken          requests in flight end       workers go
+
+A load balancer learns from /readyz that it must send requests elsewhere, and needs a moment for it: the notice. Ctrl-C needs
+none. A second signal ends the notice, a second Ctrl-C the draining, too.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import signal
+import socket
+import time
+from types import FrameType
+
+import uvicorn
+from fastapi import FastAPI
+
+from service.app import create_app
+from service.settings import Settings
+
+_log = logging.getLogger("service.server")
+
+
+class Server(uvicorn.Server):
+    """A server whose process ends with code 0 when it was asked to end.
+
+    Parameters
+    ----------
+    app : FastAPI
+        Its ``state.leaving`` becomes true with the first signal.
+    settings : Settings
+    """
+
+    def __init__(self, app: FastAPI, settings: Settings) -> None:
+        drain = math.ceil(settings.shutdown_drain_seconds)
+        super().__init__(uvicorn.Config(app, log_config=None, access_log=False, timeout_graceful_shutdown=drain))
+        self._app = app
+        self._notice_seconds = settings.shutdown_notice_seconds
+        self._leave_at: float | None = None
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Begin to leave; unlike uvicorn's own, the signal is not raised again at the end."""
+        if self._leave_at is None:
+            self._app.state.leaving = True
+            self._leave_at = time.monotonic() + (0.0 if sig == signal.SIGINT else self._notice_seconds)
+            _log.info("leaving, asked to by %s", signal.Signals(sig).name)
+        else:
+            self.force_exit = self.should_exit and sig == signal.SIGINT
+            self.should_exit = True
+
+    async def on_tick(self, counter: int) -> bool:
+        """Called ten times a second: whether it is time to go."""
+        if self._leave_at is not None and time.monotonic() >= self._leave_at:
+            self.should_exit = True
+        return await super().on_tick(counter)
+
+
+def run(settings: Settings, listening: socket.socket, handler: str = "service.workers.solve") -> None:
+    """Serve on a socket until a signal asks for the end, and come back when all is done."""
+    server = Server(create_app(settings, handler), settings)
+    host, port = listening.getsockname()[:2]
+    _log.info("serving on http://%s:%d", f"[{host}]" if ":" in host else host, port)
+    server.run(sockets=[listening])
