@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.disc import origin_end, touch
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import (
     CONVEX_VERTEX,
     CORNER,
@@ -57,25 +57,19 @@ class Tree(NamedTuple):
     leaf: NDArray[np.int64]
 
 
-def build_tree(si: NDArray[np.int64], sf: NDArray[np.float64], cp: NDArray[np.float64]) -> Tree:
-    """The tree over all sites.
-
-    Parameters
-    ----------
-    si, sf, cp : ndarray
-        Of a SiteTable.
-
-    Returns
-    -------
-    Tree
-    """
+def room_for_tree(sites: int) -> Tree:
+    """A tree yet to be filled."""
     leaves = 1
-    while leaves < len(si):
+    while leaves < sites:
         leaves *= 2
-    tree = Tree(np.empty((2 * leaves, 6)), np.empty(leaves, dtype=np.int64), np.empty(len(si), dtype=np.int64))
-    sort_sites(sf, tree.site, np.empty(len(si)), np.empty(len(si)))
-    fill_boxes(si, sf, cp, tree)
-    return tree
+    return Tree(np.empty((2 * leaves, 6)), np.empty(leaves, dtype=np.int64), np.empty(sites, dtype=np.int64))
+
+
+@inner
+def fill_tree(si, sf, cp, tree, x, y):
+    """The tree over all sites; x, y: room for a number of each site."""
+    _sort_sites(sf, tree.site, x, y)
+    _fill_boxes(si, sf, cp, tree)
 
 
 @inner
@@ -106,8 +100,8 @@ def _select(key, site, first, last, middle):
             return
 
 
-@jit
-def sort_sites(sf, site, x, y):
+@inner
+def _sort_sites(sf, site, x, y):
     """Fill `site` with all sites, halved by x or y of their boxes' middles, aligned with the nodes of the tree; -1 beyond."""
     n = sf.shape[0]
     for i in range(site.shape[0]):
@@ -210,8 +204,8 @@ def _fit_over(box, v):
     _stretch_over(box, v, right)
 
 
-@jit
-def fill_boxes(si, sf, cp, tree):
+@inner
+def _fill_boxes(si, sf, cp, tree):
     """All boxes of the tree; a site's lies along its chord."""
     box = tree.box
     leaves = tree.site.shape[0]

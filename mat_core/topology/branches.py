@@ -20,7 +20,8 @@ from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import FAN, KIND, LEN, LINE, NEXT, SWEEP, XMAX, XMIN, YMAX, YMIN
 from mat_core.topology.branch_disc import best_between, farther_phi, partner_change, polish, seen_from, solve_at_corner, touch_arc
-from mat_core.topology.discs import K_LOW, NO_PARTNER, OK, TOO_SMALL
+from mat_core.topology.discs import K_LOW, NO_PARTNER, NOT_EULER, OK, TOO_SMALL
+from mat_core.topology.faces import link_arcs, list_faces
 from mat_core.topology.split import MANY, find_split, split_face
 
 CLEARLY = 1e-6  # relative difference of curvatures seen across a nearly smooth corner that is no rounding
@@ -159,9 +160,45 @@ def _emit_strip(strip_i, strip_s, n, site_a, a0, a1, site_b, b0, b1, disc0, disc
 
 
 @jit
-def solve_faces(si, sf, cp, tree, stack, tie, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site, contact_s,
-                n_contacts, strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first, bracket_i,
-                bracket_f, tri_site, tri_s, tri_lo, tri_hi):
+def solve_faces(si, sf, cp, tree, stack, tie, expected, owner, angle_order, next_contact, arc_hi, around_start, place_around,
+                next_arc, face_arcs, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site, contact_s, n_contacts,
+                strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first, bracket_i, bracket_f, tri_site,
+                tri_s, tri_lo, tri_hi):
+    """List the faces and resolve each into strips; returns (status, discs, contacts, strips, whole contacts, place, faces).
+
+    NOT_EULER if there are not as many as `expected`. `angle_order`: contacts by disc and around it. From `around_start` to
+    `stack_f`, and from `w_i` on, room; see `_solve_faces`.
+    """
+    for d in range(n_discs + 1):
+        around_start[d] = 0
+    for place in range(n_contacts):
+        c = angle_order[place]
+        around_start[owner[c] + 1] += 1
+        place_around[c] = place
+    for d in range(n_discs):
+        around_start[d + 1] += around_start[d]
+    link_arcs(next_contact, angle_order, around_start, owner, place_around, next_arc)
+    faces = list_faces(next_arc, face_arcs, face_start)
+    if faces != expected:
+        return NOT_EULER, n_discs, n_contacts, 0, 0, 0, faces
+    for place in range(n_contacts):
+        a = face_arcs[place]
+        stack_i[place, 0] = contact_site[a]
+        stack_i[place, 1] = owner[next_contact[a]]
+        stack_f[place, 0] = contact_s[a]
+        stack_f[place, 1] = arc_hi[a]
+        disc_of[place] = owner[place]
+    status, n_discs, n_contacts, strips, wholes, place = _solve_faces(
+        si, sf, cp, tree, stack, tie, faces, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site, contact_s,
+        n_contacts, strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first, bracket_i, bracket_f,
+        tri_site, tri_s, tri_lo, tri_hi)
+    return status, n_discs, n_contacts, strips, wholes, place, faces
+
+
+@inner
+def _solve_faces(si, sf, cp, tree, stack, tie, faces, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site,
+                 contact_s, n_contacts, strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first,
+                 bracket_i, bracket_f, tri_site, tri_s, tri_lo, tri_hi):
     """Resolve every face into strips; returns (status, discs, contacts, strips, whole contacts, place).
 
     The faces stand one after the other in `stack_i` (site, closing disc) and `stack_f` (lo, hi), bounded by `face_start`
@@ -170,10 +207,6 @@ def solve_faces(si, sf, cp, tree, stack, tie, face_start, stack_i, stack_f, disc
     """
     n_strips = 0
     n_whole = 0
-    top = face_start.shape[0] - 1
-    while face_start[top] < 0:
-        top -= 1
-    faces = top
     while faces > 0:
         begin = face_start[faces - 1]
         k = face_start[faces] - begin

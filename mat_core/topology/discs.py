@@ -11,7 +11,7 @@ import math
 
 from mat_core.kernels.boxtree import query
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import (
     ARC,
     ARC_CONTACT,
@@ -41,7 +41,7 @@ from mat_core.topology.unite import COORDINATE, arc_noise, find, unite
 OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is better by more than rounding
 K_LOW = 1.9  # no disc in a domain of size at most 1 has a radius over 1/2
 
-OK, NO_PARTNER, TOO_SMALL = 0, 1, 2
+OK, NO_PARTNER, TOO_SMALL, UNCONNECTED, NOT_EULER = range(5)
 
 
 @inner
@@ -124,7 +124,7 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     return OK, THROUGH, px + nx / phi, py + ny / phi, 1.0 / phi, winner, s
 
 
-@jit
+@inner
 def all_joint_discs(si, sf, cp, tree, stack, tie, disc, kind, winner, winner_s):
     """`joint_disc` for every site's start; returns (status, joint)."""
     hint = -1
@@ -183,7 +183,7 @@ def rightmost(si, sf, cp, first, last):
     return best, best_site, best_s
 
 
-@jit
+@inner
 def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent, right, right_site, extra,
                   extra_site):
     """Discs that join loops no joint disc joins; returns (status, how many).

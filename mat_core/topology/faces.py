@@ -11,30 +11,28 @@ more a small tree. Euler: faces = 1 - holes + sum over discs of (contacts - 1).
 
 from __future__ import annotations
 
-from mat_core.kernels.jit import jit
+from mat_core.kernels.jit import inner
+from mat_core.kernels.layout import LOOP
 
 
-@jit
-def cut_arcs(site, s, loop_of, order, arc_hi, next_contact):
-    """Arcs between consecutive contacts: arc a starts at contact order[a] and ends at contact next_contact[a].
+@inner
+def cut_arcs(si, site, s, n, arc_hi, next_contact):
+    """Arcs between consecutive ones of n contacts in loop order: arc a starts at contact a and ends at contact next_contact[a].
 
     All joints are contacts, so an arc lies on the site it starts on: it runs from s of its first contact to `arc_hi[a]`.
     """
-    n = order.shape[0]
     first = 0
     for a in range(n):
-        c = order[a]
-        last_of_loop = a + 1 == n or loop_of[site[order[a + 1]]] != loop_of[site[c]]
+        last_of_loop = a + 1 == n or si[site[a + 1], LOOP] != si[site[a], LOOP]
         following = first if last_of_loop else a + 1
-        e = order[following]
-        next_contact[a] = e
-        arc_hi[a] = s[e] if site[e] == site[c] and following > a else 1.0
+        next_contact[a] = following
+        arc_hi[a] = s[following] if site[following] == site[a] and following > a else 1.0
         if last_of_loop:
             first = a + 1
 
 
-@jit
-def link_arcs(arc_of_contact, next_contact, around, around_start, disc_of, place_around, next_arc):
+@inner
+def link_arcs(next_contact, around, around_start, disc_of, place_around, next_arc):
     """next_arc[a]: the arc that follows arc a around its face.
 
     `around[around_start[d]:around_start[d+1]]`: contacts of disc d, anticlockwise; `place_around[c]`: where c stands there.
@@ -44,10 +42,10 @@ def link_arcs(arc_of_contact, next_contact, around, around_start, disc_of, place
         d = disc_of[e]
         place = place_around[e]
         previous = place - 1 if place > around_start[d] else around_start[d + 1] - 1
-        next_arc[a] = arc_of_contact[around[previous]]
+        next_arc[a] = around[previous]
 
 
-@jit
+@inner
 def list_faces(next_arc, face_arcs, face_start):
     """Cycles of `next_arc`, one after the other in `face_arcs`; returns their number."""
     n = next_arc.shape[0]

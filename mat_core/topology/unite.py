@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import (
     ARC,
     ARC_CONTACT,
@@ -89,7 +89,7 @@ def same_disc(disc, a, b, tolerance):
     return math.sqrt(dx * dx + dy * dy) + abs(disc[a, 2] - disc[b, 2]) <= tolerance
 
 
-@jit
+@inner
 def unite_at_joints(si, sf, disc, kind, winner, winner_s, parent, alive, tight, loose):
     """Unite discs whose winner is another joint (exactly, or by disc identity), and chains of arcs on one circle.
 
@@ -164,7 +164,7 @@ def contact_angle(si, sf, cp, disc, d, i, s):
     return math.atan2(py - disc[d, 1], px - disc[d, 0])
 
 
-@jit
+@inner
 def group_contacts(owner, alive, parent, first, member_next, last):
     """Linked lists of the living contacts of each united disc."""
     for d in range(first.shape[0]):
@@ -191,21 +191,20 @@ def _merge(parent, first, member_next, last, da, db):
     last[root] = last[other]
 
 
-@jit
-def recentre(si, sf, cp, disc, kind, site, s, owner, spread):
+@inner
+def recentre(si, sf, cp, disc, kind, discs, site, s, owner, contacts, spread):
     """Discs in contact with several short arcs, and those united beyond rounding, become the circle through three contacts.
 
     The circle of an arc of length l is known to 1e-16 (r / l)^2 only, that through contacts all around to rounding. Discs that
     were united though they differ are all wrong a little. `spread` (discs, 8): scratch: longest arc, or by how much a contact is
     missed; then x, y of three contacts, first the first one, each next one farthest from those before; what is largest so far.
     """
-    n = site.shape[0]
-    for d in range(disc.shape[0]):
+    for d in range(discs):
         for m in range(8):
             spread[d, m] = 0.0
         spread[d, 7] = -1.0
     for step in range(3):
-        for c in range(n):
+        for c in range(contacts):
             d = owner[c]
             if kind[d] != ARC_CONTACT and (kind[d] != THROUGH or step > 0 and spread[d, 0] < MISSED):
                 continue
@@ -225,10 +224,10 @@ def recentre(si, sf, cp, disc, kind, site, s, owner, spread):
                 spread[d, 7] = far
                 spread[d, 2 * step + 1] = x
                 spread[d, 2 * step + 2] = y
-        for d in range(disc.shape[0]):
+        for d in range(discs):
             if step < 2:
                 spread[d, 7] = 0.0
-    for d in range(disc.shape[0]):
+    for d in range(discs):
         known = kind[d] == THROUGH and spread[d, 0] < MISSED or kind[d] == ARC_CONTACT and spread[d, 0] > 0.1 * disc[d, 2]
         if kind[d] != ARC_CONTACT and kind[d] != THROUGH or known or spread[d, 7] < 0.5 * disc[d, 2]:
             continue
@@ -252,7 +251,7 @@ def _can_cross(kind, parent, d):
     return kind[d] == THROUGH or (kind[d] == ARC_CONTACT and parent[d] == d)
 
 
-@jit
+@inner
 def unite_whole(si, sf, disc, kind, winner, sweep, by_sweep, parent, tolerance):
     """Unite discs in contact with arcs of one circle, wherever on the boundary these are (the roots of a gear's teeth).
 
@@ -273,7 +272,7 @@ def unite_whole(si, sf, disc, kind, winner, sweep, by_sweep, parent, tolerance):
                 break  # b goes on from here
 
 
-@jit
+@inner
 def unite_interleaved(disc, kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerance):
     """Unite nearly equal discs whose contacts interleave (two pairs of opposite contacts of one 4-way disc, say).
 
@@ -299,14 +298,13 @@ def unite_interleaved(disc, kind, site, s, angle, sweep, by_sweep, parent, first
                 _merge(parent, first, member_next, last, da, db)
 
 
-@jit
-def unite_crossed(si, sf, disc, site, s, owner, angle, order, alive, parent, first, member_next, last, tolerance, tight):
+@inner
+def unite_crossed(si, sf, disc, site, s, owner, angle, order, n, alive, parent, first, member_next, last, tolerance, tight):
     """Unite discs whose contacts interleave; of two contacts that became one the second dies. Returns how many were united.
 
-    `order`: contacts along the loops. First, last, member_next: linked lists of the contacts of each united disc.
+    The first n of `order`: contacts along the loops. First, last, member_next: linked lists of the contacts of each united disc.
     """
     united = 0
-    n = order.shape[0]
     for position in range(n):
         a = order[position]
         b = order[position + 1 if position + 1 < n else 0]
