@@ -54,8 +54,8 @@ def failure(table: SiteTable, site: int, what: str) -> NotCertified:
 class _Found(NamedTuple):
     """Discs told apart, and their contacts in loop order.
 
-    discs, contacts: how many. disc, kind: room for more; site, s, owner and angle of each contact; arc a runs from contact a up to
-    arc_hi[a], where contact next_contact[a] is.
+    discs, contacts: how many. disc, kind: room for more; site, s, owner and angle of each contact; arc a runs from contact a up
+    to arc_hi[a], where contact next_contact[a] is.
     """
 
     discs: int
@@ -97,12 +97,15 @@ def _find_discs(t: SiteTable, tree: Tree, stack: NDArray[np.int64], tolerances: 
     order = np.lexsort((s, site))
     by_sweep = np.argsort(sweep, kind="stable")
     united, united_kind = np.empty((discs, 3)), _numbers(discs)
-    to = _numbers(contacts), np.empty(contacts), _numbers(contacts), np.empty(contacts), np.empty(contacts), _numbers(contacts)
+    to_site, to_s, to_disc, to_angle = _numbers(contacts), np.empty(contacts), _numbers(contacts), np.empty(contacts)
+    arc_hi, next_contact = np.empty(contacts), _numbers(contacts)
     discs, contacts = unite_discs(
         t.si, t.sf, t.cp, tolerances.same_disc, tolerances.same_crossed, disc, kind, winner, winner_s, parent, sweep, by_sweep,
         site, s, owner, angle, order, np.empty(contacts, dtype=np.bool_), _numbers(discs), _numbers(discs), _numbers(contacts),
-        _numbers(discs), np.empty(discs), united, united_kind, np.empty((discs, 8)), *to)
-    return _Found(discs, contacts, united, united_kind, *(column[:contacts] for column in to))
+        _numbers(discs), np.empty(discs), united, united_kind, np.empty((discs, 8)), to_site, to_s, to_disc, to_angle, arc_hi,
+        next_contact)
+    n = contacts
+    return _Found(discs, n, united, united_kind, to_site[:n], to_s[:n], to_disc[:n], to_angle[:n], arc_hi[:n], next_contact[:n])
 
 
 def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
@@ -140,8 +143,8 @@ def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
     whole_i, whole_s = np.empty((n, 2), dtype=np.int64), np.empty((n, 2))
     status, discs, contacts, strips, wholes, place, faces = solve_faces(
         t.si, t.sf, t.cp, tree, stack, tolerances.tie, expected, f.owner, np.lexsort((f.angle, f.owner)), f.next_contact,
-        f.arc_hi, _numbers(f.discs + 1), _numbers(n), _numbers(n), _numbers(n), _numbers(room + 1), np.empty((room, 2), dtype=np.int64),
-        np.empty((room, 2)), grown, f.discs, disc_of, contact_site, contact_s, n, strip_i, strip_s, whole_i, whole_s,
+        f.arc_hi, _numbers(f.discs + 1), _numbers(n), _numbers(n), _numbers(n), _numbers(room + 1),
+        np.empty((room, 2), dtype=np.int64), np.empty((room, 2)), grown, f.discs, disc_of, contact_site, contact_s, n, strip_i, strip_s, whole_i, whole_s,
         np.empty((n, 2), dtype=np.int64), np.empty((n, 2)), _numbers(4 * n + 8), np.empty(4 * n + 8), _numbers(n + 2),
         np.empty((n + 4, 2), dtype=np.int64), np.empty((n + 4, 2)), _numbers(3), np.empty(3), np.empty(3), np.empty(3))
     if status == NOT_EULER:
