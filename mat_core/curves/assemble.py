@@ -41,6 +41,7 @@ from mat_core.curves.pieces import (
     P_KIND,
     P_LENGTH,
     P_PART,
+    P_ROW,
     Q_ROW,
     Q_S0,
     Q_S1,
@@ -157,7 +158,7 @@ def assemble_runs(
         fitted_before = False
         for p in range(begin, end):
             fitted = piece_i[p, P_KIND] == K_FREEFORM and piece_i[p, P_DEGREE] == n
-            raise_degree(piece_cp, ROWS * p, piece_i[p, P_DEGREE], n, cp, row)
+            raise_degree(piece_cp, piece_i[p, P_ROW], piece_i[p, P_DEGREE], n, cp, row)
             length = max(piece_f[p, P_LENGTH], 1e-15)
             if p > begin and fitted and fitted_before:
                 smooth_span, defect = _smooth_span(cp, row, span)
@@ -255,7 +256,7 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     count = NO_ROOM
     while count == NO_ROOM:
         room *= 4
-        piece_i = np.empty((room + 1, 3), dtype=np.int64)
+        piece_i = np.empty((room + 1, 4), dtype=np.int64)
         piece_f = np.empty((room, 2))
         piece_cp = np.empty((ROWS * room, 4))
         found_i = np.empty((room + n, 2), dtype=np.int64)

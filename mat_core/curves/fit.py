@@ -23,6 +23,7 @@ from mat_core.curves.pieces import (
     P_KIND,
     P_LENGTH,
     P_PART,
+    P_ROW,
     add_part,
     lay_way,
     polygon_length,
@@ -102,7 +103,8 @@ def _conic_strip(
                 si, sf, cp, way_i[w, WAY_SITE], after, way_i[w, WAY_PARTNER], way_f[w, WAY_LO], way_f[w, WAY_HI])
         piece_i[count, P_DEGREE] = 1 if both_lines else 2
         piece_i[count, P_KIND] = conic_kind(si, sf, a, b)
-        row = ROWS * count
+        row = piece_i[count, P_ROW]
+        piece_i[count + 1, P_ROW] = row + piece_i[count, P_DEGREE] + 1
         error = 0.0
         if both_lines:
             for m in range(3):
@@ -132,12 +134,13 @@ def fit_strips(
     """Pieces of all strips, rows of `strip_i` and `strip_s` in order and direction of travel; their number or a status.
 
     joined[w]: the strip of row w goes on where the one before ends, as smoothly as inside. The pieces of a stretch stand
-    at the first of its strips: first[w] .. first[w + 1]. `piece_cp` has ROWS rows (x, y, r, w) for each piece. Tables are
+    at the first of its strips: first[w] .. first[w + 1]. `piece_cp` has room for ROWS rows (x, y, r, w) a piece. Tables are
     one row longer than needed. NO_ROOM when they are too small, NO_FIT - w when the strips from row w on cannot be followed.
     """
     rows = strip_i.shape[0]
     count = int(np.int64(0))
     piece_i[0, P_PART] = 0
+    piece_i[0, P_ROW] = 0
     w = 0
     while w < rows:
         first[w] = count

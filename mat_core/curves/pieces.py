@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 # columns of the tables of pieces and of their parts, one for each strip a piece passes
-P_PART, P_DEGREE, P_KIND = range(3)  # piece_i; P_PART: its first part
+P_PART, P_DEGREE, P_KIND, P_ROW = range(4)  # piece_i; P_PART: its first part; P_ROW: its first control point
 P_ERROR, P_LENGTH = range(2)  # piece_f, normalised
 Q_ROW, Q_SIDE = range(2)  # part_i; Q_SIDE 0: s is on the right site of the strip in row Q_ROW, 1: on its left one
 Q_T0, Q_T1, Q_S0, Q_S1 = range(4)  # part_f: the piece's own parameter and s, at the part's start and end

@@ -28,7 +28,6 @@ from mat_core.curves.interval import (
     PLAN_S0,
     PLAN_S1,
     PLAN_T,
-    ROWS,
     WAITING,
     WAY_S0,
     WAY_S1,
@@ -47,6 +46,7 @@ from mat_core.curves.pieces import (
     P_ERROR,
     P_KIND,
     P_LENGTH,
+    P_ROW,
     add_part,
     choose_side,
     lay_way,
@@ -267,7 +267,8 @@ def _record(
     piece_i[p, P_DEGREE] = m + 3
     piece_i[p, P_KIND] = K_FREEFORM
     piece_f[p, P_ERROR] = error
-    piece_f[p, P_LENGTH] = polygon_length(piece_cp, ROWS * p, m + 3)
+    piece_f[p, P_LENGTH] = polygon_length(piece_cp, piece_i[p, P_ROW], m + 3)
+    piece_i[p + 1, P_ROW] = piece_i[p, P_ROW] + m + 4
     for k in range(strips):
         t0 = steps[k, PLAN_T] if k else 0.0
         t1 = steps[k + 1, PLAN_T] if k < strips - 1 else 1.0
@@ -313,7 +314,7 @@ def free_stretch(
             return NO_ROOM
         if pieces - count >= MAX_PIECES:
             return NO_FIT
-        row = ROWS * pieces
+        row = piece_i[pieces, P_ROW]
         while left > 1 and _apart(waiting, left - 1, ends, 0) < reach:
             left -= 1
         # 1. shorten
