@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.curves.conics import MAX_TURN, conic, conic_kind, is_conic, swing
-from mat_core.curves.interval import ROWS, WAY_HI, WAY_LO, WAY_PARTNER, WAY_S0, WAY_S1, WAY_SITE
+from mat_core.curves.interval import WAY_HI, WAY_LO, WAY_PARTNER, WAY_S0, WAY_S1, WAY_SITE
 from mat_core.curves.pieces import (
     MAX_PIECES,
     NO_FIT,

@@ -146,7 +146,8 @@ def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
         f.arc_hi, _numbers(f.discs + 1), _numbers(n), _numbers(n), _numbers(n), _numbers(room + 1),
         np.empty((room, 2), dtype=np.int64), np.empty((room, 2)), grown, f.discs, disc_of, contact_site, contact_s, n, strip_i,
         strip_s, whole_i, whole_s, np.empty((n, 2), dtype=np.int64), np.empty((n, 2)), _numbers(4 * n + 8), np.empty(4 * n + 8),
-        _numbers(n + 2), np.empty((n + 4, 2), dtype=np.int64), np.empty((n + 4, 2)), _numbers(3), np.empty(3), np.empty(3), np.empty(3))
+        _numbers(n + 2), np.empty((n + 4, 2), dtype=np.int64), np.empty((n + 4, 2)), _numbers(3), np.empty(3),
+        np.empty(3), np.empty(3))
     if status == NOT_EULER:
         raise failure(t, 0, f"the discs cut the domain into {faces} faces where Euler's identity asks for {expected}")
     if status != OK:
