@@ -143,11 +143,12 @@ def _find_discs(
     by_sweep = np.argsort(sweep, kind="stable")
     unite_whole(t.si, t.sf, disc, full_kind, winner, sweep, by_sweep, parent, tolerances.same_disc)
     group_contacts(owner, alive, parent, first, member_next, last)
-    unite_interleaved(disc, full_kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerances.same_crossed)
+    unite_interleaved(t.si, t.loop_start, disc, full_kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last,
+                      tolerances.same_crossed)
     while True:
         group_contacts(owner, alive, parent, first, member_next, last)
-        united = unite_crossed(t.si, t.sf, disc, site, s, owner, angle, order, alive, parent, first, member_next, last,
-                               tolerances.same_crossed, tolerances.same_disc)
+        united = unite_crossed(t.si, t.sf, t.loop_start, disc, site, s, owner, angle, order, alive, parent, first,
+                               member_next, last, tolerances.same_crossed, tolerances.same_disc)
         order = order[alive[order]]
         if united == 0:
             break
