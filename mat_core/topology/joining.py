@@ -100,9 +100,9 @@ def _best_members(si, sf, cp, kind, winner, winner_s, parent, chord, best):
 
 
 @jit
-def unite_discs(si, sf, cp, same_disc, same_crossed, disc, kind, winner, winner_s, parent, sweep, by_sweep, site, s, owner, angle,
-                order, alive, first, last, member_next, number, chord, united, united_kind, spread, contact_site, contact_s,
-                contact_disc, contact_angle_of, arc_hi, next_contact):
+def unite_discs(si, sf, cp, loop_start, same_disc, same_crossed, disc, kind, winner, winner_s, parent, sweep, by_sweep, site, s,
+                owner, angle, order, alive, first, last, member_next, number, chord, united, united_kind, spread, contact_site,
+                contact_s, contact_disc, contact_angle_of, arc_hi, next_contact):
     """Step 3; returns (discs, contacts), and fills `united`, `united_kind`, the contacts in loop order and the arcs between them.
 
     `order`: contacts along the loops; `by_sweep`: discs by `sweep`. What follows them up to `chord`, and `spread`, is room for a
@@ -112,13 +112,13 @@ def unite_discs(si, sf, cp, same_disc, same_crossed, disc, kind, winner, winner_
         alive[c] = True
     unite_whole(si, sf, disc, kind, winner, sweep, by_sweep, parent, same_disc)
     group_contacts(owner, alive, parent, first, member_next, last)
-    unite_interleaved(disc, kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, same_crossed)
+    unite_interleaved(si, loop_start, disc, kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, same_crossed)
     contacts = order.shape[0]
     more = 1
     while more > 0:
         group_contacts(owner, alive, parent, first, member_next, last)
-        more = unite_crossed(si, sf, disc, site, s, owner, angle, order, contacts, alive, parent, first, member_next, last,
-                             same_crossed, same_disc)
+        more = unite_crossed(si, sf, loop_start, disc, site, s, owner, angle, order, contacts, alive, parent, first, member_next,
+                             last, same_crossed, same_disc)
         left = 0
         for position in range(contacts):
             if alive[order[position]]:

@@ -100,10 +100,10 @@ def _find_discs(t: SiteTable, tree: Tree, stack: NDArray[np.int64], tolerances: 
     to_site, to_s, to_disc, to_angle = _numbers(contacts), np.empty(contacts), _numbers(contacts), np.empty(contacts)
     arc_hi, next_contact = np.empty(contacts), _numbers(contacts)
     discs, contacts = unite_discs(
-        t.si, t.sf, t.cp, tolerances.same_disc, tolerances.same_crossed, disc, kind, winner, winner_s, parent, sweep, by_sweep,
-        site, s, owner, angle, order, np.empty(contacts, dtype=np.bool_), _numbers(discs), _numbers(discs), _numbers(contacts),
-        _numbers(discs), np.empty(discs), united, united_kind, np.empty((discs, 8)), to_site, to_s, to_disc, to_angle, arc_hi,
-        next_contact)
+         t.si, t.sf, t.cp, t.loop_start, tolerances.same_disc, tolerances.same_crossed, disc, kind, winner, winner_s, parent,
+        sweep, by_sweep, site, s, owner, angle, order, np.empty(contacts, dtype=np.bool_), _numbers(discs), _numbers(discs),
+        _numbers(contacts), _numbers(discs), np.empty(discs), united, united_kind, np.empty((discs, 8)), to_site, to_s, to_disc,
+        to_angle, arc_hi, next_contact)
     n = contacts
     return _Found(discs, n, united, united_kind, to_site[:n], to_s[:n], to_disc[:n], to_angle[:n], arc_hi[:n], next_contact[:n])
 

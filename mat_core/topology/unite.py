@@ -122,15 +122,22 @@ def unite_at_joints(si, sf, disc, kind, winner, winner_s, parent, alive, tight, 
 
 
 @inner
-def _before(angle_a, key_a, s_a, angle_b, key_b, s_b):
-    """Whether contact a comes before b anticlockwise, from a cut of the circle that both are away from."""
-    if abs(angle_a - angle_b) < ANGLE_NEAR:
-        return key_a < key_b or (key_a == key_b and s_a < s_b)
-    return angle_a < angle_b
+def _before(si, loop_start, site_a, s_a, angle_a, site_b, s_b, angle_b):
+    """Whether contact a comes before b anticlockwise, from a cut of the circle that both are away from.
+
+    Along the boundary where angles do not tell: there the last site of a loop comes before its first one.
+    """
+    if abs(angle_a - angle_b) >= ANGLE_NEAR:
+        return angle_a < angle_b
+    before = site_a < site_b or (site_a == site_b and s_a < s_b)
+    loop = si[site_a, LOOP]
+    if loop == si[site_b, LOOP] and 2.0 * abs(site_a + s_a - site_b - s_b) > loop_start[loop + 1] - loop_start[loop]:
+        return not before
+    return before
 
 
 @inner
-def interleaved(site, s, angle, member_next, first, a, b, cut):
+def interleaved(si, loop_start, site, s, angle, member_next, first, a, b, cut):
     """Whether the contacts of groups a and b alternate around their common centre.
 
     Groups are linked lists (`first`, `member_next`) of contacts; `cut` is an angle at which no contact lies near.
@@ -142,8 +149,8 @@ def interleaved(site, s, angle, member_next, first, a, b, cut):
         ca = first[a]
         total = 0
         while ca >= 0:
-            if _before((angle[ca] - cut) % (2.0 * math.pi), site[ca], s[ca],
-                       (angle[cb] - cut) % (2.0 * math.pi), site[cb], s[cb]):
+            if _before(si, loop_start, site[ca], s[ca], (angle[ca] - cut) % (2.0 * math.pi),
+                       site[cb], s[cb], (angle[cb] - cut) % (2.0 * math.pi)):
                 below += 1
             total += 1
             ca = member_next[ca]
@@ -273,7 +280,7 @@ def unite_whole(si, sf, disc, kind, winner, sweep, by_sweep, parent, tolerance):
 
 
 @inner
-def unite_interleaved(disc, kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerance):
+def unite_interleaved(si, loop_start, disc, kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerance):
     """Unite nearly equal discs whose contacts interleave (two pairs of opposite contacts of one 4-way disc, say).
 
     `sweep`: a coordinate of the centres; `by_sweep`: discs in its order.
@@ -294,21 +301,27 @@ def unite_interleaved(disc, kind, site, s, angle, sweep, by_sweep, parent, first
             if da == db:
                 continue
             cut = angle[first[da]] - 3.0 * ANGLE_NEAR
-            if interleaved(site, s, angle, member_next, first, da, db, cut):
+            if interleaved(si, loop_start, site, s, angle, member_next, first, da, db, cut):
                 _merge(parent, first, member_next, last, da, db)
 
 
 @inner
-def unite_crossed(si, sf, disc, site, s, owner, angle, order, n, alive, parent, first, member_next, last, tolerance, tight):
+def unite_crossed(si, sf, loop_start, disc, site, s, owner, angle, order, n, alive, parent, first, member_next, last, tolerance,
+                  tight):
     """Unite discs whose contacts interleave; of two contacts that became one the second dies. Returns how many were united.
 
     The first n of `order`: contacts along the loops. First, last, member_next: linked lists of the contacts of each united disc.
     """
     united = 0
+    begin = 0  # of the loop
     for position in range(n):
         a = order[position]
-        b = order[position + 1 if position + 1 < n else 0]
-        if not alive[a] or not alive[b] or si[site[a], LOOP] != si[site[b], LOOP]:
+        loop = si[site[a], LOOP]
+        if loop != si[site[order[begin]], LOOP]:
+            begin = position
+        closes = position + 1 == n or si[site[order[position + 1]], LOOP] != loop
+        b = order[begin if closes else position + 1]
+        if a == b or not alive[a] or not alive[b]:
             continue
         if not (site[b] == site[a] or (site[b] == si[site[a], NEXT] and s[b] == 0.0)):
             continue
@@ -324,7 +337,8 @@ def unite_crossed(si, sf, disc, site, s, owner, angle, order, n, alive, parent, 
         if not same_disc(disc, da, db, tolerance + disc[da, 2] * bend):
             continue
         cut = 0.5 * (angle[a] + angle[b]) + math.pi
-        if not same_disc(disc, da, db, tight) and not interleaved(site, s, angle, member_next, first, da, db, cut):
+        same = same_disc(disc, da, db, tight)
+        if not same and not interleaved(si, loop_start, site, s, angle, member_next, first, da, db, cut):
             continue
         _merge(parent, first, member_next, last, da, db)
         # a joint stays, a winner next to it goes
