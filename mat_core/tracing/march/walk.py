@@ -267,7 +267,8 @@ class March:
         half, right, left = self._half_of(pair, point, disc)
         taken = (number, half) in self._done or (number, half) == (pair.disc, pair.half)
         if half < 0 or taken or not self._agrees(point, number):
-            why = f"tracing {self.record.named(pair.a, pair.b)} ends at a disc that has other footpoints, so a branch point was missed before"
+            edges = record.named(pair.a, pair.b)
+            why = f"tracing {edges} ends at a disc that has other footpoints, so a branch point was missed before"
             raise lost(record.table, point.x, point.y, why)
         record.add_strip(Strip(pair.a, pair.b, pair.disc, number, pair.a0, right, pair.b0, left))
         self._done |= {(pair.disc, pair.half), (number, half)}
