@@ -5,9 +5,9 @@
 1. A piece is tried to the farthest end that is in question. While its error is too large it is shortened to where its own error
    says that it would do: it falls with the power of the degree plus one. Ends that were too far are kept for the next piece.
 2. A piece that does, with an error that leaves room, is lengthened towards the end that was too far; the longest is taken.
-3. An end that would fall near a disc between strips is put there.
 
-Shortening ends at a chord that is short for the tolerance, at neighbouring floats, and at MAX_PIECES.
+An end that would fall near a disc between strips is put there. Shortening ends at a chord that is short for the tolerance, at
+neighbouring floats, and at MAX_PIECES.
 """
 
 from __future__ import annotations
@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.curves.conics import K_FREEFORM
+from mat_core.curves.ends import apart, copy_end, put_disc, put_sample
 from mat_core.curves.interval import (
-    END_COLUMNS,
     I_ROW,
     I_S,
-    I_TX,
     I_X,
     MAX_STRIPS,
     PLAN_S0,
@@ -52,9 +51,7 @@ from mat_core.curves.pieces import (
     lay_way,
     polygon_length,
 )
-from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
-from mat_core.kernels.layout import V0, V1
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -62,7 +59,6 @@ Ints = NDArray[np.int64]
 TINY = 1e-11  # a chord this short is not cut any more, nor is an interval this short relative to the whole strip
 SHORT = 0.25  # nor is a chord this short relative to the tolerance: drawn straight it is near enough
 LOST = 1e-9  # largest error, other than the tolerance, at which cutting may end; more is a jump, not rounding
-PARALLEL = 1e-9  # |n1 - n2| below which two normals at one vertex are one
 PRUDENCE = 0.95  # of the length that an error lets one hope for: it is measured at one place only
 LEAST_CUT, MOST_CUT = 0.1, 0.9  # range of the share that a piece is shortened to
 BESIDE = 0.08  # of the wanted length, from a disc between strips: the piece ends there
@@ -70,56 +66,6 @@ WORTH = 1.15  # times as long: what a longer piece must be hoped to be, to be tr
 TRIES = 2  # longer pieces tried
 MAX_GROWTH = 4.0  # times as long: what an error lets one hope for at most
 TOWARDS = 0.75  # most of the way to an end that was too far
-
-
-@inner
-def tangent(
-    si: Ints, sf: Floats, cp: Floats, a: int, sa: float, b: int, sb: float, r: float, sign: float
-) -> tuple[float, float, float]:
-    """Direction (x, y, r) of the axis at the disc of radius r with contacts sa on the right and sb on the left site.
-
-    `sign` is 1 where a strip leaves, -1 where it arrives; it matters at a centre of curvature only.
-    """
-    x, y, ax, ay, k, speed = evaluate(si, sf, cp, a, sa, 0.0, 0.0)
-    x, y, bx, by, k, speed = evaluate(si, sf, cp, b, sb, 0.0, 0.0)
-    # n1 - n2 = (by - ay, ax - bx), turned by -90 degrees
-    tx = ax - bx
-    ty = ay - by
-    length = math.sqrt(tx * tx + ty * ty)
-    vertex_a = si[a, V0] if sa <= 0.0 else (si[a, V1] if sa >= 1.0 else -1)
-    vertex_b = si[b, V0] if sb <= 0.0 else (si[b, V1] if sb >= 1.0 else -2)
-    if vertex_a == vertex_b and (r > 0.0 or length <= PARALLEL) or length == 0.0:
-        return -sign * ay, sign * ax, sign
-    tx /= length
-    ty /= length
-    return tx, ty, ty * ax - tx * ay
-
-
-@inner
-def _put_end(
-    ends: Floats, row: int, w: int, s: float, x: float, y: float, r: float, t: tuple[float, float, float]
-) -> None:
-    """One end of an interval."""
-    ends[row, I_S] = s
-    ends[row, I_X] = x
-    ends[row, I_X + 1] = y
-    ends[row, I_X + 2] = r
-    ends[row, I_TX] = t[0]
-    ends[row, I_TX + 1] = t[1]
-    ends[row, I_TX + 2] = t[2]
-    ends[row, I_ROW] = w
-
-
-@inner
-def _put_disc(
-    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, way_f: Floats, w: int, end: int,
-    ends: Floats, row: int,
-) -> None:
-    """End of an interval at the disc where the strip of row w starts (0) or ends (1)."""
-    d = strip_i[w, 2 + end]
-    t = tangent(si, sf, cp, strip_i[w, 0], strip_s[w, end], strip_i[w, 1], strip_s[w, 2 + end], disc[d, 2],
-                -1.0 if end else 1.0)
-    _put_end(ends, row, w, way_f[w, WAY_S1 if end else WAY_S0], disc[d, 0], disc[d, 1], disc[d, 2], t)
 
 
 @inner
@@ -142,27 +88,6 @@ def _straight(samples: Floats, row: int, m: int, ends: Floats, out: Floats, to: 
         off += gap * gap
         dd += (q - p) * (q - p)
     return max(math.sqrt(2.0 * off), math.sqrt(dd) if dd > LOST * LOST else 0.0)
-
-
-@inner
-def _apart(a: Floats, i: int, b: Floats, j: int) -> float:
-    """Distance of two ends in (x, y, r)."""
-    dx = a[i, I_X] - b[j, I_X]
-    dy = a[i, I_X + 1] - b[j, I_X + 1]
-    dr = a[i, I_X + 2] - b[j, I_X + 2]
-    return math.sqrt(dx * dx + dy * dy + dr * dr)
-
-
-@inner
-def _put_sample(
-    si: Ints, sf: Floats, cp: Floats, strip_i: Ints, way_i: Ints, w: int, samples: Floats, row: int, ends: Floats, to: int
-) -> None:
-    """End of an interval at a sample in the strip of row w."""
-    s = samples[row, 4]
-    sj = samples[row, 5]
-    right = way_i[w, WAY_SITE] == strip_i[w, 0]
-    t = tangent(si, sf, cp, strip_i[w, 0], s if right else sj, strip_i[w, 1], sj if right else s, samples[row, 3], 1.0)
-    _put_end(ends, to, w, s, samples[row, 1], samples[row, 2], samples[row, 3], t)
 
 
 @inner
@@ -195,7 +120,7 @@ def _shorten(
             if cut == 0 or cut < strips - 1 and steps[cut + 1, PLAN_T] - share < share - steps[cut, PLAN_T]:
                 cut += 1
         if not even or abs(steps[cut, PLAN_T] - share) <= beside * share:
-            _put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, first + cut - 1, 1, waiting, to)
+            put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, first + cut - 1, 1, waiting, to)
             return True
     if even:
         sample_at(si, sf, cp, way_i, way_f, share, ends, samples, spare, steps)
@@ -204,7 +129,7 @@ def _shorten(
     s1 = steps[w - first, PLAN_S1]
     inside = 0.0 < abs(s - s0) < abs(s1 - s0)
     if strips > 1 and not inside:
-        _put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, max(w - 1, first), 1, waiting, to)
+        put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, max(w - 1, first), 1, waiting, to)
         return True
     chord = 0.0
     for c in range(3):
@@ -213,7 +138,7 @@ def _shorten(
         return False
     if not abs(s1 - s0) > TINY * abs(way_f[w, WAY_S1] - way_f[w, WAY_S0]):
         return False
-    _put_sample(si, sf, cp, strip_i, way_i, w, samples, spare, waiting, to)
+    put_sample(si, sf, cp, strip_i, way_i, w, samples, spare, waiting, to)
     return True
 
 
@@ -223,8 +148,8 @@ def _lengthen(
     hope: float, samples: Floats, spare: int, waiting: Floats, limit: int,
 ) -> bool:
     """Move the interval's end towards that in row `limit`, which is too far; False when there is no room."""
-    length = _apart(ends, 0, ends, 1)
-    room = _apart(waiting, limit, ends, 0) - length
+    length = apart(ends, 0, ends, 1)
+    room = apart(waiting, limit, ends, 0) - length
     wanted = min((hope - 1.0) * length, TOWARDS * room)
     if not wanted >= (WORTH - 1.0) * length:
         return False
@@ -239,7 +164,7 @@ def _lengthen(
         if not 0.0 < abs(between - s) < abs(waiting[limit, I_S] - s):
             return False
         sample(si, sf, cp, way_i, way_f, w, between, ends, samples, spare)
-        _put_sample(si, sf, cp, strip_i, way_i, w, samples, spare, ends, 1)
+        put_sample(si, sf, cp, strip_i, way_i, w, samples, spare, ends, 1)
         return True
     best = w
     off = math.inf
@@ -252,7 +177,7 @@ def _lengthen(
         if miss < off:
             off = miss
             best = k
-    _put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, best, 1, ends, 1)
+    put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, best, 1, ends, 1)
     return True
 
 
@@ -290,6 +215,38 @@ def _try(
 
 
 @inner
+def _shortest(
+    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, way_i: Ints, way_f: Floats, ends: Floats,
+    m: int, tolerance: float, samples: Floats, hermite: Floats, newton: Floats, misses: Floats, points: Floats, steps: Floats,
+    waiting: Floats, left: int,
+) -> tuple[float, int]:
+    """Step 1: (bound or error of the first piece that does, or cannot be shorter, how many ends wait); its end is taken off."""
+    while True:
+        copy_end(waiting, left - 1, ends, 1)
+        even, error = _try(si, sf, cp, disc, strip_i, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses, points,
+                           steps)
+        if error <= tolerance:
+            return error, left - 1
+        share = min(max(_hope(error, tolerance, m), LEAST_CUT), MOST_CUT)
+        if not _shorten(si, sf, cp, disc, strip_i, strip_s, way_i, way_f, ends, tolerance, share, even, samples, 2 * m + 3,
+                        steps, waiting, left):
+            if even:
+                error = attempt(si, sf, cp, way_i, way_f, ends, m, math.inf, samples, hermite, newton, misses, points, steps)
+            return error, left - 1
+        left += 1
+
+
+@inner
+def _next_start(way_f: Floats, end: int, ends: Floats) -> None:
+    """The next piece begins where the last one ended: in the next strip, where that is a disc between strips."""
+    copy_end(ends, 2, ends, 0)
+    w = int(ends[0, I_ROW])
+    if ends[0, I_S] == way_f[w, WAY_S1] and w < end - 1:
+        ends[0, I_ROW] = w + 1
+        ends[0, I_S] = way_f[w + 1, WAY_S0]
+
+
+@inner
 def free_stretch(
     si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, begin: int, end: int, flip: int,
     tolerance: float, m: int, ends: Floats, waiting: Floats, samples: Floats, hermite: Floats, newton: Floats,
@@ -304,71 +261,44 @@ def free_stretch(
         side = choose_side(si, sf, disc, strip_i, strip_s, w)
         lay_way(strip_i, strip_s, w, 1 - side if flip else side, way_i, way_f)
     spare = 2 * m + 3
-    _put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, begin, 0, ends, 0)
-    _put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, end - 1, 1, waiting, 0)
+    put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, begin, 0, ends, 0)
+    put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, end - 1, 1, waiting, 0)
     left = int(np.int64(1))  # not a literal: each literal would be compiled for once more
-    pieces = count
+    p = count
     reach = 0.0
     while left > 0:
-        if pieces + 1 >= piece_i.shape[0]:
+        if p + 1 >= piece_i.shape[0]:
             return NO_ROOM
-        if pieces - count >= MAX_PIECES:
+        if p - count >= MAX_PIECES:
             return NO_FIT
-        row = piece_i[pieces, P_ROW]
-        while left > 1 and _apart(waiting, left - 1, ends, 0) < reach:
+        row = piece_i[p, P_ROW]
+        # nearer ends than the last piece is long were too far from its start, not from this one
+        while left > 1 and apart(waiting, left - 1, ends, 0) < reach:
             left -= 1
-        # 1. shorten
-        fits = False
-        error = math.inf
-        while not fits:
-            for c in range(END_COLUMNS):
-                ends[1, c] = waiting[left - 1, c]
-            even, error = _try(si, sf, cp, disc, strip_i, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses,
-                               points, steps)
-            fits = error <= tolerance
-            if fits:
-                break
-            share = min(max(_hope(error, tolerance, m), LEAST_CUT), MOST_CUT)
-            if not _shorten(si, sf, cp, disc, strip_i, strip_s, way_i, way_f, ends, tolerance, share, even, samples, spare,
-                            steps, waiting, left):
-                if even:
-                    error = attempt(si, sf, cp, way_i, way_f, ends, m, math.inf, samples, hermite, newton, misses, points,
-                                    steps)
-                break
-            left += 1
-        left -= 1
+        error, left = _shortest(si, sf, cp, disc, strip_i, strip_s, way_i, way_f, ends, m, tolerance, samples, hermite, newton,
+                                misses, points, steps, waiting, left)
         if error < math.inf:
             write_fit(samples, m, hermite, newton, work, piece_cp, row)
         else:
             error = _straight(samples, spare, m, ends, piece_cp, row)
         if not error <= max(tolerance, LOST):
             return NO_FIT
-        _record(strip_i, way_i, ends, steps, m, error, piece_i, piece_f, piece_cp, part_i, part_f, pieces)
-        # 2. lengthen
-        reach = _apart(ends, 0, ends, 1)
-        for c in range(END_COLUMNS):
-            ends[2, c] = ends[1, c]
+        _record(strip_i, way_i, ends, steps, m, error, piece_i, piece_f, piece_cp, part_i, part_f, p)
+        copy_end(ends, 1, ends, 2)
+        # step 2: longer
         for _ in range(TRIES):
-            if left == 0 or not fits:
+            if left == 0 or not error <= tolerance:
                 break
             if not _lengthen(si, sf, cp, disc, strip_i, strip_s, way_i, way_f, ends, _hope(error, tolerance, m), samples, spare,
                              waiting, left - 1):
                 break
             even, error = _try(si, sf, cp, disc, strip_i, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses,
                                points, steps)
-            if not error <= tolerance:
-                break
-            write_fit(samples, m, hermite, newton, work, piece_cp, row)
-            _record(strip_i, way_i, ends, steps, m, error, piece_i, piece_f, piece_cp, part_i, part_f, pieces)
-            reach = _apart(ends, 0, ends, 1)
-            for c in range(END_COLUMNS):
-                ends[2, c] = ends[1, c]
-        # the next piece begins there: in the next strip, where that is a disc between strips
-        for c in range(END_COLUMNS):
-            ends[0, c] = ends[2, c]
-        w = int(ends[0, I_ROW])
-        if ends[0, I_S] == way_f[w, WAY_S1] and w < end - 1:
-            ends[0, I_ROW] = w + 1
-            ends[0, I_S] = way_f[w + 1, WAY_S0]
-        pieces += 1
-    return pieces
+            if error <= tolerance:
+                write_fit(samples, m, hermite, newton, work, piece_cp, row)
+                _record(strip_i, way_i, ends, steps, m, error, piece_i, piece_f, piece_cp, part_i, part_f, p)
+                copy_end(ends, 1, ends, 2)
+        reach = apart(ends, 0, ends, 2)
+        _next_start(way_f, end, ends)
+        p += 1
+    return p

@@ -15,7 +15,12 @@ import pytest
 from scipy.optimize import linear_sum_assignment
 
 from mat_core import Domain, MedialAxis, NotCertified, UnsupportedOption, medial_axis
-from tests.families import CATALOGUE, circle_hole, line, polygon_random, polyline, rectangle, shape, star_shaped
+from mat_core.boundary.sites import build_sites
+from mat_core.kernels.curve import evaluate
+from mat_core.kernels.layout import KIND, SPIRAL
+from mat_core.tolerances import LADDER
+from mat_core.tracing.march.checks import nearest
+from tests.families import CATALOGUE, bezier, circle_hole, line, polygon_random, polyline, rectangle, shape, star_shaped
 from tests.paper_shapes import PAPER_SHAPES, illustration, pocket, small_hole, twice
 from tests.transforms import rotated, scaled, shifted
 
@@ -142,6 +147,47 @@ def test_a_curvature_centre_beside_a_reflex_vertex_ends_a_segment() -> None:
     bump = {"degree": 2, "control_points": [[3, 2], [1.9, 2.2], [1.95, 1.5]]}
     outer = [line((0, 0), (3, 0)), line((3, 0), (3, 2)), bump, line((1.95, 1.5), (0, 1.5)), line((0, 1.5), (0, 0))]
     check(shape("bump", outer))
+
+
+@pytest.mark.parametrize("step", [None, 1e-2, 1e-3, 3e-4])
+def test_two_curvature_centres_that_share_a_branch_point(step: float | None) -> None:
+    # round ends of quadratics, where the disc of one maximum of the curvature nearly osculates the boundary beside the other:
+    # a "greater than", and the side of a "w" that comes to its corners with such ends
+    for text in (
+        "170,-41 170,-15 197,-2|1284,512|190,1030|170,1036 170,1065|170,1079 181.5,1092.5|193,1106 211,1106|215,1106 227,1102|"
+        "1403,547|1421,538 1421,512|1421,485 1397,475|227,-78|215,-82 211,-82|193,-82 181.5,-68.5|170,-55 170,-41",
+        "125,-9 123,0 121,29|117,120|109,284 90,362|83,389 74.5,396.5|66,404 43,404|15,404|15,417|94,430 110,434|"
+        "115,435 121.5,437|128,439 132,440|136,441 139,441|147,441 150,436|153,431 158,407|"
+        "183,287 190,126|230,137|198,76|149,-18 134,-18|127,-18 125,-9",
+    ):
+        outer: list[Any] = []
+        for part in text.split("|"):
+            points = [tuple(float(c) for c in p.split(",")) for p in part.split()]
+            outer.append(bezier([outer[-1]["control_points"][-1], *points] if outer else points))
+        check({"outer": outer}, step=step)
+
+
+def test_the_nearest_point_of_a_piece_that_dips_beside_its_end() -> None:
+    rng = np.random.default_rng(2)
+    s = np.linspace(0.0, 1.0, 4001)
+    dips = 0
+    for content in [CATALOGUE[name]() for name in ("mixed", "heart", "kidney", "blob_holes", "thorn", "lens")]:
+        table = build_sites(domain_of(content), 1e-6, LADDER[0])
+        for site in np.flatnonzero(table.si[:, KIND] == SPIRAL).tolist():
+            frames = np.array([evaluate(table.si, table.sf, table.cp, site, at, 0.0, 0.0) for at in s])
+            for end in (0, -1):
+                x, y, tx, ty, k, _ = frames[end]
+                if not k > 0.0:
+                    continue
+                # near the centre of a disc that touches at the end and is a little larger than the boundary bends there
+                r = (1.0 + 10.0 ** rng.uniform(-6, -1)) / k
+                aside = 10.0 ** rng.uniform(-8, -2) * r * (1 if end == 0 else -1)
+                p = (x - r * ty - aside * tx, y + r * tx - aside * ty)
+                found, at = nearest(table, site, 0.0, 1.0, *p)
+                dense = np.hypot(frames[:, 0] - p[0], frames[:, 1] - p[1])
+                assert found <= dense.min() + 1e-15
+                dips += 0.0 < at < 0.125 or 0.875 < at < 1.0
+    assert dips > 5
 
 
 def test_a_nearly_smooth_corner_is_a_leaf() -> None:

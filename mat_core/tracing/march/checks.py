@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,20 +124,39 @@ def _arc_foot(t: SiteTable, i: int, x: float, y: float) -> float:
 
 
 def _nearest_on_spiral(t: SiteTable, i: int, lo: float, hi: float, x: float, y: float) -> tuple[float, float]:
-    """The best of both ends and of every place between where (C - p).T rises through zero."""
+    """The best of both ends and of every place between where f = (C - p).T rises through zero.
+
+    f' = 1 + k (C - p).N by length. Where f has one sign at two places but turns between, its extreme may have the other: so it is
+    beside a joint whose edges nearly osculate the disc.
+    """
 
     def slope(s: float) -> float:
         dx, dy, tx, ty, _, _ = evaluate(t.si, t.sf, t.cp, i, s, x, y)
         return float(dx * tx + dy * ty)
 
+    def rate(s: float, sign: float) -> float:
+        dx, dy, tx, ty, k, _ = evaluate(t.si, t.sf, t.cp, i, s, x, y)
+        return sign * float(1.0 + k * (dy * tx - dx * ty))
+
     places = [lo + m * (hi - lo) / NEAR_SAMPLES for m in range(NEAR_SAMPLES)] + [hi]
     slopes = [slope(s) for s in places]
     feet = [lo, hi]
     for m in range(NEAR_SAMPLES):
-        if slopes[m] < 0.0 < slopes[m + 1]:
-            feet.append(_rising_zero(slope, places[m], slopes[m], places[m + 1], slopes[m + 1]))
-        elif slopes[m] == 0.0:
-            feet.append(places[m])
+        a, fa, b, fb = places[m], slopes[m], places[m + 1], slopes[m + 1]
+        if fa * fb > 0.0:
+            sign = math.copysign(1.0, fa)
+            falls, rises = rate(a, sign), rate(b, sign)
+            if not falls < 0.0 < rises:
+                continue
+            turn = _rising_zero(partial(rate, sign=sign), a, falls, b, rises)
+            if fa > 0.0:
+                a, fa = turn, slope(turn)
+            else:
+                b, fb = turn, slope(turn)
+        if fa < 0.0 < fb:
+            feet.append(_rising_zero(slope, a, fa, b, fb))
+        elif fa == 0.0:
+            feet.append(a)
     return min(_distance(t, i, s, x, y) for s in feet)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from mat_core.boundary.sites import SiteTable
 from mat_core.errors import NotCertified
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.layout import ARC_CONTACT, EDGE, FAN, KIND, LEN, LOOP, NEXT, PREV, SWEEP, THROUGH
+from mat_core.kernels.layout import ARC_CONTACT, CONVEX_VERTEX, CORNER, EDGE, FAN, KIND, LEN, LOOP, NEXT, PREV, SWEEP, THROUGH
 from mat_core.topology.skeleton import Skeleton
 
 SNAP = 1e-11  # footpoints nearer than this to the end of an edge, or to a contact of a known disc, are there
@@ -89,6 +89,15 @@ class Record:
     def previous_site(self, site: int) -> int:
         """The site that ends where this one begins."""
         return int(self.table.si[site, PREV])
+
+    def is_convex(self, site: int) -> bool:
+        """Whether a site starts at a convex vertex."""
+        return bool(self.table.si[site, CORNER] == CONVEX_VERTEX)
+
+    def named(self, a: int, b: int) -> str:
+        """A pair of sites in the caller's terms."""
+        si = self.table.si
+        return " and ".join(f"edge {si[i, EDGE]} of loop {si[i, LOOP]}" for i in (a, b))
 
     def length(self, site: int) -> float:
         """Length of a site; of a fan the largest way that a centre can make about it."""

@@ -17,7 +17,7 @@ import math
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.layout import ARC, CONVEX_VERTEX, CORNER, CURVATURE_LEAF, EDGE, K0, K1, KIND, LOOP, VERTEX_LEAF
+from mat_core.kernels.layout import ARC, CONVEX_VERTEX, CORNER, CURVATURE_LEAF, K0, K1, KIND, VERTEX_LEAF
 from mat_core.tracing.march.branch import bisect_branch, curvature_ahead, halves_of, make_disc, pair_from
 from mat_core.tracing.march.checks import cut_beside, cutting, violating_foot
 from mat_core.tracing.march.footpoint import AxisPoint, axis_point
@@ -52,6 +52,7 @@ class March:
         self._waiting: list[Pair] = []
         self._done: set[tuple[int, int]] = set()  # (disc, half) from which a pair was traced, or at which one arrived
         self._met: set[int] = set()  # discs whose pairs were made to wait
+        self._ahead: dict[tuple[int, int], int] = {}  # (disc, half) of a pair that was set aside -> the LMPC's disc it waits for
 
     def run(self) -> None:
         """Steps 1, 4 and 5."""
@@ -96,11 +97,11 @@ class March:
 
     def _bends(self, at: Contact) -> bool:
         """Whether a disc may end at a joint: the boundary is convex there."""
-        return self._is_convex(at.site) or self._curvature(at) > 0.0
+        return self.record.is_convex(at.site) or self._curvature(at) > 0.0
 
     def _leaf_radius(self, at: Contact) -> float:
         """0 at a convex vertex, else that of the larger curvature; raises where that is no maximum."""
-        if self._is_convex(at.site):
+        if self.record.is_convex(at.site):
             return 0.0
         if not self._bends(at):
             x, y = self.record.point(at)
@@ -124,7 +125,7 @@ class March:
         limits = limits_of(record, pair)
         now = good = self._where(pair)
         du = parameter_step(record, pair.a, self.step)
-        exempt = pair.from_branch and limits.closing and self._is_convex(pair.b)
+        exempt = pair.from_branch and limits.closing and self.record.is_convex(pair.b)
         taken = 0
         pace = 0.0
         while True:
@@ -166,21 +167,12 @@ class March:
         assert point is not None  # it was found there before
         return point
 
-    def _is_convex(self, site: int) -> bool:
-        """Whether a site starts at a convex vertex."""
-        return bool(self.record.table.si[site, CORNER] == CONVEX_VERTEX)
-
-    def _edges(self, pair: Pair) -> str:
-        """The pair in the caller's terms."""
-        si = self.record.table.si
-        return " and ".join(f"edge {si[i, EDGE]} of loop {si[i, LOOP]}" for i in (pair.a, pair.b))
-
     # 3. Where a pair ends -----------------------------------------------------------------------------------------
     def _branch(self, pair: Pair, good: AxisPoint, right: float, left: float, cut: list[Contact]) -> None:
         """5.2: the branch point between a good axis point and footpoints that are too far."""
         point, cut = bisect_branch(self.record, pair, good, right, left, cut)
         if not cut:
-            why = f"the trace of {self._edges(pair)} ends where no third edge touches the disc"
+            why = f"the trace of {self.record.named(pair.a, pair.b)} ends where no third edge touches the disc"
             raise lost(self.record.table, point.x, point.y, why)
         self._arrive(pair, point, self._disc_of(pair, point, cut))
 
@@ -190,7 +182,8 @@ class March:
         The edge that runs on from a footpoint cuts the disc, or bends more than it: then the axis is traced from the centre of
         curvature of the LMPC ahead first, and the pair goes on to the branch point found so. That is far better conditioned than
         to see when the disc begins to touch an edge that it nearly osculates. Where the disc of that LMPC is not empty it is no
-        end of the axis: another edge was passed, and bisection finds it, as where a convex vertex is ahead.
+        end of the axis: another edge was passed, and bisection finds it, as where a convex vertex is ahead. Two LMPCs that share
+        a branch point are each ahead of the other: there the one of the larger disc, nearer to the branch point, leads on.
         """
         record = self.record
         if foot != 0:
@@ -199,13 +192,20 @@ class March:
             if leaf < 0 and self._ends_axis(at):
                 self._set_aside(pair, good, len(self._waiting))
                 self._start(at, self._leaf_radius(at))
+                self._ahead[pair.disc, pair.half] = record.disc_at(at)
                 return
             beside = {record.next_site(pair.a), record.previous_site(pair.b)}
-            alone = all(touched.site in beside for touched in cut)
+            alone = all(touched.site in beside for touched in cut) and not self._leads(pair, leaf)
             if leaf >= 0 and (leaf, 0) not in self._done and alone and pair.put_off < MOST_PUT_OFF:
                 self._set_aside(pair, good, 0)
+                self._ahead[pair.disc, pair.half] = leaf
                 return
         self._branch(pair, good, point.right, point.left, cut)
+
+    def _leads(self, pair: Pair, leaf: int) -> bool:
+        """Whether the pair from a leaf waits for this one, whose disc is the larger."""
+        discs = self.record.discs
+        return self._ahead.get((leaf, 0)) == pair.disc and discs[pair.disc].r >= discs[leaf].r
 
     def _set_aside(self, pair: Pair, good: AxisPoint, place: int) -> None:
         """A pair waits at its last good point: for those after `place` in the row."""
@@ -218,7 +218,7 @@ class March:
         record = self.record
         before = record.previous_site(at.site)
         arc = ARC in (record.table.si[at.site, KIND], record.table.si[before, KIND])
-        if arc or self._is_convex(at.site) or not self._bends(at):
+        if arc or self.record.is_convex(at.site) or not self._bends(at):
             return False
         r = self._leaf_radius(at)
         return not cutting(record, at.site, before, *self._centre(at, r), r)
@@ -267,7 +267,8 @@ class March:
         half, right, left = self._half_of(pair, point, disc)
         taken = (number, half) in self._done or (number, half) == (pair.disc, pair.half)
         if half < 0 or taken or not self._agrees(point, number):
-            why = f"tracing {self._edges(pair)} ends at a disc that has other footpoints, so a branch point was missed before"
+            edges = record.named(pair.a, pair.b)
+            why = f"tracing {edges} ends at a disc that has other footpoints, so a branch point was missed before"
             raise lost(record.table, point.x, point.y, why)
         record.add_strip(Strip(pair.a, pair.b, pair.disc, number, pair.a0, right, pair.b0, left))
         self._done |= {(pair.disc, pair.half), (number, half)}
