@@ -4,6 +4,7 @@
 FROM python:3.13-slim AS build
 # Kernels for every processor of this architecture: code for the build machine's own would be a miss in the cache elsewhere.
 ENV NUMBA_CPU_NAME=generic \
+    NUMBA_CPU_FEATURES= \
     NUMBA_CACHE_DIR=/opt/mat/kernels \
     PYTHONDONTWRITEBYTECODE=1
 WORKDIR /opt/mat
@@ -18,20 +19,20 @@ COPY openapi/ openapi/
 RUN python -m compileall -q mat_core service venv/lib
 
 FROM python:3.13-slim
-# Kernels are read from /run/mat/kernels, a place that may be written: the root file system need not be.
+# Kernels are found by the hash of their sources and by the processor's name, wherever they lie; nothing writes beside them.
+# Only MAT_DATA_DIR must be writable: jobs, and their database unless there is another.
 ENV NUMBA_CPU_NAME=generic \
-    COMPILED_KERNELS=/opt/mat/kernels \
-    NUMBA_CACHE_DIR=/run/mat/kernels \
+    NUMBA_CPU_FEATURES= \
+    NUMBA_CACHE_DIR=/opt/mat/kernels \
     MAT_DATA_DIR=/var/lib/mat \
     PATH=/opt/mat/venv/bin:$PATH \
-    PYTHONUNBUFFERED=1
-RUN useradd --system --uid 10001 --no-create-home mat && install -d -o mat /run/mat /var/lib/mat
+    PYTHONDONTWRITEBYTECODE=1
+RUN useradd --system --uid 10001 --no-create-home mat && install -d -o mat -m 0700 /var/lib/mat
 COPY --from=build /opt/mat /opt/mat
-COPY docker/entrypoint.sh /usr/local/bin/entrypoint.sh
 WORKDIR /opt/mat
 USER 10001
+VOLUME /var/lib/mat
 EXPOSE 8000
-HEALTHCHECK --interval=10s --timeout=3s --start-period=30s --retries=3 \
+HEALTHCHECK --interval=10s --timeout=3s --start-period=60s --retries=3 \
     CMD ["python", "-c", "import urllib.request as u; u.urlopen('http://127.0.0.1:8000/readyz', timeout=2)"]
-ENTRYPOINT ["/usr/local/bin/entrypoint.sh"]
-CMD ["python", "-m", "uvicorn", "--factory", "service.app:create_app", "--host", "0.0.0.0", "--port", "8000", "--no-access-log", "--timeout-graceful-shutdown", "20"]
+CMD ["python", "-m", "service.cli", "serve", "--host", "0.0.0.0", "--port", "8000"]

@@ -10,9 +10,12 @@ import sys
 import time
 from collections.abc import Callable
 
+import numpy as np
+
 from mat_core.boundary.sites import build_sites
 from mat_core.certificate import certify
 from mat_core.curves.assemble import build_axis
+from mat_core.model.containment import inside_domain
 from mat_core.model.domain import Domain
 from mat_core.tolerances import LADDER
 from mat_core.topology.graph import build_graph
@@ -80,6 +83,8 @@ def _solve_example(tell: Callable[[int], None]) -> None:
     axis = axis.with_certificate(certify(table, skeleton, graph, axis.curves, 1e-6, domain=domain))
     tell(6)
     axis.to_json(samples=True)
+    axis.evaluate(np.zeros(1, dtype=np.int64), np.zeros(1))
+    inside_domain(domain, np.zeros((1, 2)))
 
 
 def main() -> None:

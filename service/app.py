@@ -10,7 +10,7 @@ from fastapi import FastAPI
 from service import __version__, openapi, responses
 from service.jobs.dbos_jobs import DbosJobs
 from service.middleware import RequestContext
-from service.observability import logs
+from service.observability import logs, telemetry
 from service.observability.metrics import Metrics
 from service.routes import batches, docs, health, jobs, metrics, solve
 from service.settings import Settings
@@ -47,6 +47,7 @@ def create_app(settings: Settings | None = None, handler: str = "service.workers
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
+        telemetry=telemetry.config(),
     )
     app.state.settings = settings
     app.state.pool = pool

@@ -12,6 +12,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
+from service.observability.telemetry import note_code
 
 _log = logging.getLogger("service")
 
@@ -25,6 +26,7 @@ def problem_response(error: RequestError, request: Request) -> Response:
     if kind.retry_after_seconds is not None:
         headers["Retry-After"] = str(kind.retry_after_seconds)
     request.state.code = error.code
+    note_code(error.code)
     document = error.document(request.state.request_id)
     return Response(orjson.dumps(document), kind.status, headers, MEDIA_TYPE)
 

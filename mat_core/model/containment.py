@@ -28,7 +28,7 @@ def inside_domain(domain: Domain, points: NDArray[np.float64]) -> NDArray[np.boo
     arrays = domain.arrays
     loops = np.arange(len(arrays.loop_start) - 1)
     frame = frame_of(arrays.cp, float(np.abs(arrays.cp[:, :2]).max()))
-    outline = outline_of(arrays, np.ones(len(loops), dtype=bool), frame)
+    outline = outline_of(arrays, np.ones(len(loops), dtype=np.int64), frame)
     flattening = flatten(outline, loops.tolist())
     local = (points - np.array(frame.origin)) * frame.scale
     dots = shapely.points(local)

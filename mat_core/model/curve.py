@@ -102,7 +102,8 @@ class RationalBSpline:
         cp = np.column_stack((self.control_points, self.weights))
         rows = np.empty(((n - self.degree) * (self.degree + 1), 3))
         breaks = np.empty(n - self.degree + 1)
-        spans = decompose(self.degree, self.knots, 0, len(self.knots), cp, 0, n, rows, breaks)
+        knots = np.ascontiguousarray(self.knots)  # those of a reversed curve are a view, which would be compiled for anew
+        spans = decompose(self.degree, knots, 0, len(knots), cp, 0, n, rows, breaks)
         return rows[: spans * (self.degree + 1)], breaks[: spans + 1]
 
     def part(self, u0: float, u1: float) -> RationalBSpline:

@@ -13,6 +13,7 @@ from starlette.types import Scope
 
 from service.observability.logs import IDS
 from service.observability.metrics import SUCCESS, Metrics
+from service.observability.telemetry import QUIET, current_trace_id
 
 _log = logging.getLogger("service.access")
 
@@ -20,9 +21,6 @@ _TRACEPARENT = re.compile(r"[0-9a-f]{2}-(?!0{32})([0-9a-f]{32})-(?!0{16})[0-9a-f
 
 UNMATCHED = "(none)"
 """The route of a request whose address leads nowhere."""
-
-QUIET = ("/healthz", "/readyz", "/metrics")
-"""Asked every few seconds by machines; the answer is no news for people."""
 
 CLIENT_GONE = 499
 """The status of a request whose client went away before there was an answer."""
@@ -45,7 +43,7 @@ class Watch:
         self._metrics: Metrics = scope["app"].state.metrics
         self._metrics.begin()
         ids = {"request_id": request_id}
-        if trace := trace_id(Headers(scope=scope)):
+        if trace := current_trace_id() or trace_id(Headers(scope=scope)):
             ids["trace_id"] = trace
         self._token: Token[Mapping[str, str]] = IDS.set(ids)
 

@@ -13,6 +13,7 @@ from starlette.requests import ClientDisconnect
 from service.errors import RequestError
 from service.negotiation import FORMATS, check_content, choose_format
 from service.observability.logs import IDS
+from service.observability.telemetry import record_work
 from service.operations import OPERATIONS, Operation
 from service.preferences import read_preferences
 from service.routes import jobs
@@ -44,6 +45,7 @@ def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
         reply = await _solve_unless_disconnected(request, pool, header, body, wishes.wait)
         timings = {"queue": 1000 * reply.queue_seconds, **reply.header.get("timings", {})}
         request.state.timings = timings
+        record_work(timings, reply.work_seconds)
         if "error" in reply.header:
             raise RequestError(**reply.header["error"])
         timing = ", ".join(f"{name};dur={value:.3f}" for name, value in timings.items())

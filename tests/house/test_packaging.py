@@ -1,27 +1,22 @@
-"""The lock files, the image and the compose file, held as far as they can be without a registry and a daemon."""
+"""The lock files, the first commands and the version."""
 
 from __future__ import annotations
 
-import json
 import os
 import re
-import shlex
 import signal
 import socket
 import subprocess
 import sys
 import tomllib
 import urllib.request
-from fnmatch import fnmatch
 from pathlib import Path
-from typing import Any
 
 import pytest
-import yaml
 
 import mat_core
 import service
-from tests.service.live import free_port, serving
+from tests.service.live import free_port
 from tests.service.processes import alive, descendants, eventually
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -82,78 +77,6 @@ def test_a_taken_port_gets_a_clear_line_before_anything_slow_happens() -> None:
         ended = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=10)
     assert ended.returncode == 2
     assert f"Port {port} of 127.0.0.1 cannot be used" in ended.stdout
-
-
-def stages() -> list[list[tuple[str, str]]]:
-    """The instructions of each stage of the Dockerfile."""
-    text = re.sub(r"\\\n\s*", "", re.sub(r"^#.*\n", "", (ROOT / "Dockerfile").read_text(), flags=re.MULTILINE))
-    found: list[list[tuple[str, str]]] = []
-    for line in filter(None, text.splitlines()):
-        instruction, _, rest = line.partition(" ")
-        if instruction == "FROM":
-            found.append([])
-        found[-1].append((instruction, rest))
-    return found
-
-
-def test_the_image_is_built_in_two_stages_and_runs_unprivileged() -> None:
-    build, final = stages()
-    assert any("mat_core.warm" in rest for instruction, rest in build if instruction == "RUN")
-    assert not any("pip install" in rest for _, rest in final)
-    names = [instruction for instruction, _ in final]
-    assert dict(final)["USER"] == "10001"
-    assert {"HEALTHCHECK", "ENTRYPOINT", "CMD", "EXPOSE"} <= set(names)
-    assert "/readyz" in dict(final)["HEALTHCHECK"]
-
-
-def test_what_the_image_copies_exists_and_is_let_through() -> None:
-    ignore = (ROOT / ".dockerignore").read_text().split()
-    kept = [line[1:] for line in ignore if line.startswith("!")]
-    for stage in stages():
-        for instruction, rest in stage:
-            if instruction == "COPY" and not rest.startswith("--from"):
-                source = rest.split()[0]
-                assert (ROOT / source).exists(), source
-                assert any(fnmatch(source.split("/")[0], name) for name in kept), source
-
-
-def test_compose_serves_one_hardened_service_on_this_machine_only() -> None:
-    compose: dict[str, Any] = yaml.safe_load((ROOT / "compose.yaml").read_text())
-    (service,) = compose["services"].values()
-    assert service["build"] == "."
-    assert service["init"] is True
-    assert service["read_only"] is True
-    assert service["cap_drop"] == ["ALL"]
-    assert all(port.startswith("127.0.0.1:") for port in service["ports"])
-    writable = [entry.split(":")[0] for entry in service["tmpfs"]]
-    cache = re.search(r"NUMBA_CACHE_DIR=(\S+)", dict(stages()[1])["ENV"])
-    assert cache
-    assert any(cache[1].startswith(folder + "/") for folder in writable)
-    assert "/tmp" in writable
-
-
-def test_the_commands_of_the_image_serve_as_plain_processes(tmp_path: Path) -> None:
-    """Compile as the build does, start as the container does, in folders of our own: kernels are found, not built."""
-    _, final = stages()
-    environment = dict(entry.split("=", 1) for entry in shlex.split(dict(final)["ENV"]))
-    environment["PATH"] = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    environment["COMPILED_KERNELS"] = str(tmp_path / "built")
-    environment["NUMBA_CACHE_DIR"] = str(tmp_path / "run" / "kernels")
-    (tmp_path / "run").mkdir()
-    build = {**os.environ, **environment, "NUMBA_CACHE_DIR": environment["COMPILED_KERNELS"]}
-    subprocess.run([sys.executable, "-m", "mat_core.warm"], cwd=ROOT, env=build, check=True, stdout=subprocess.DEVNULL)
-
-    command = json.loads(dict(final)["CMD"])
-    for option in ("--host", "--port"):
-        at = command.index(option)
-        del command[at : at + 2]
-    entrypoint = str(ROOT / "docker" / Path(json.loads(dict(final)["ENTRYPOINT"])[0]).name)
-    with serving((entrypoint, *command), environment) as client:
-        copied = {path.relative_to(tmp_path / "run" / "kernels") for path in (tmp_path / "run" / "kernels").rglob("*")}
-        example = (ROOT / "openapi" / "examples" / "plate.json").read_bytes()
-        answer = client.post("/v1/mat", content=example, headers={"Content-Type": "application/json"})
-        assert answer.status_code == 200
-    assert copied == {path.relative_to(tmp_path / "built") for path in (tmp_path / "built").rglob("*")}
 
 
 def test_make_run_shows_an_answer_serves_and_ends_cleanly() -> None:

@@ -21,6 +21,7 @@ import pytest
 import mat_core
 from service.cli import EXTRA, main
 from service.cli.exits import BROKEN_PIPE, EXITS, FAILED, INVALID_INPUT, NOT_CERTIFIED, OF_CODE, OK, SOME_FAILED, USAGE
+from service.cli.serve import listen
 from service.errors import ERRORS
 from service.workers.solve import handle
 from tests.service.live import ROOT, free_port
@@ -341,6 +342,14 @@ def test_a_taken_port_and_a_bad_setting(capfd: pytest.CaptureFixture[str], monke
     monkeypatch.setenv("MAT_WORKERS", "many")
     assert main(["serve", "--port", str(free_port())]) == USAGE
     assert "MAT_WORKERS is 'many'" in capfd.readouterr().err
+
+
+def test_a_socket_is_one_of_tcp_so_that_answers_leave_at_once() -> None:
+    for host in ("127.0.0.1", "localhost"):
+        with listen(host, 0) as listening:
+            assert listening.proto == socket.IPPROTO_TCP
+            with socket.create_connection(listening.getsockname()[:2]), listening.accept()[0] as accepted:
+                assert accepted.proto == socket.IPPROTO_TCP
 
 
 # the command itself --------------------------------------------------------------------------------------------------
