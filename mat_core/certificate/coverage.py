@@ -24,6 +24,7 @@ from mat_core.kernels.layout import (
     EDGE,
     FAN,
     K0,
+    K1,
     KIND,
     LEN,
     LINE,
@@ -255,7 +256,8 @@ def check_whole(t, k, figures):
     """An arc in whole contact lies on its disc's circle, at both ends, in the middle and in between, unless it is tiny.
 
     Its distance from that circle is a sine of amplitude `away`, the distance of the centres: between three points in a turn of
-    `sweep` it can rise by away (1 - cos(sweep / 4)). The centres themselves may differ more, where the arc is short.
+    `sweep` it can rise by away (1 - cos(sweep / 4)). The centres themselves may differ more, where the arc is short. A spiral may
+    be an arc but for its last digits: its distance bends as its curvature differs from the circle's, which is most at its ends.
     """
     made(figures, WHOLE_ARCS)
     sf = t.sf
@@ -266,18 +268,24 @@ def check_whole(t, k, figures):
         r = k.disc[k.whole_i[m, 1], 2]
         begin = k.whole_s[m, 0]
         share = abs(k.whole_s[m, 1] - begin)
-        off = math.inf
+        rise = math.inf  # between the three points
         if t.si[i, KIND] == ARC and sf[i, K0] > 0.0:
             rho = 1.0 / sf[i, K0]
             away = math.sqrt((sf[i, X0] - rho * sf[i, TY0] - x) ** 2 + (sf[i, Y0] + rho * sf[i, TX0] - y) ** 2)
             if away < rho:
-                off = 0.0
-                for step in range(3):
-                    s = begin + 0.5 * step * (k.whole_s[m, 1] - begin)
-                    dx, dy, tx, ty, curvature, speed = evaluate(t.si, sf, t.cp, i, s, x, y)
-                    missing = abs(math.sqrt(dx * dx + dy * dy) - r)
-                    if not missing <= off:
-                        off = missing
-                off += away * (1.0 - math.cos(0.25 * min(share * abs(sf[i, SWEEP]), math.pi)))
+                rise = away * (1.0 - math.cos(0.25 * min(share * abs(sf[i, SWEEP]), math.pi)))
+        elif t.si[i, KIND] == SPIRAL and min(sf[i, K0], sf[i, K1]) > 0.0 and r > 0.0:
+            bend = max(abs(sf[i, K0] - 1.0 / r), abs(sf[i, K1] - 1.0 / r))
+            rise = 0.125 * bend * sf[i, LEN] * sf[i, LEN]
+        off = math.inf
+        if rise < math.inf:
+            off = 0.0
+            for step in range(3):
+                s = begin + 0.5 * step * (k.whole_s[m, 1] - begin)
+                dx, dy, tx, ty, curvature, speed = evaluate(t.si, sf, t.cp, i, s, x, y)
+                missing = abs(math.sqrt(dx * dx + dy * dy) - r)
+                if not missing <= off:
+                    off = missing
+            off += rise
         length = share * sf[i, LEN]
         worst(figures, WHOLE_ARCS, length if off > length else off, x, y)

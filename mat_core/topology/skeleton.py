@@ -15,7 +15,7 @@ from mat_core.boundary.sites import SiteTable
 from mat_core.errors import NotCertified
 from mat_core.kernels.boxtree import STACK, Tree, room_for_tree
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.layout import THROUGH
+from mat_core.kernels.layout import ARC_CONTACT, THROUGH
 from mat_core.tolerances import Tolerances
 from mat_core.topology.branches import solve_faces
 from mat_core.topology.discs import NOT_EULER, OK, UNCONNECTED
@@ -156,5 +156,6 @@ def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
     contact_start = np.searchsorted(disc_of[:contacts][by_disc], np.arange(discs + 1))
     all_kinds = np.full(discs, THROUGH)
     all_kinds[: f.discs] = f.kind[: f.discs]
+    all_kinds[whole_i[:wholes, 1]] = ARC_CONTACT  # also with a spiral that is an arc but for rounding
     return Skeleton(grown[:discs], all_kinds, contact_start, contact_site[:contacts][by_disc], contact_s[:contacts][by_disc],
                     strip_i[:strips], strip_s[:strips], whole_i[:wholes], whole_s[:wholes], faces)
