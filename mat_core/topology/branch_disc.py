@@ -349,6 +349,33 @@ def polish(si, sf, cp, site, s, lo, hi, exact, disc, d):
 
 
 @inner
+def adopt(si, sf, cp, site, s, lo, hi, w_i, k, left, right, disc, d):
+    """Make disc d of arcs 0, left, right one that closes these, if that touches all three as well as coordinates tell.
+
+    Three neighbouring edges of a polygon of 100,000 tell the radius of their disc to 1e-8 only: it may lie beyond the centre.
+    """
+    near = STEEP * disc[d, 2]
+    for m in range(1, 3):
+        if _apart_sq(si, sf, cp, site[0], s[0], site[m], s[m]) > near * near:
+            return
+    for choice in range(6):
+        arc = 0 if choice < 2 else (left if choice < 4 else right)
+        closing = w_i[arc if choice % 2 == 0 else (arc + k - 1) % k, 1]
+        x = disc[closing, 0]
+        y = disc[closing, 1]
+        miss = 0.0
+        for m in range(3):
+            foot = _foot(si, sf, cp, site[m], s[m], lo[m], hi[m], x, y)
+            dx, dy, tx, ty, curvature, speed = evaluate(si, sf, cp, site[m], foot, x, y)
+            miss = max(miss, abs(math.sqrt(dx * dx + dy * dy) - disc[closing, 2]))
+        if miss <= SETTLED:
+            disc[d, 0] = x
+            disc[d, 1] = y
+            disc[d, 2] = disc[closing, 2]
+            return
+
+
+@inner
 def farther_phi(si, sf, cp, site, s, phi, w_i, w_f, left, sl, right, sr, tie):
     """phi at s on a site, which arcs left and right agree on, by the one that tells it better.
 

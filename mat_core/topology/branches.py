@@ -19,7 +19,16 @@ from mat_core.kernels.boxtree import box_distance_sq
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import FAN, KIND, LEN, LINE, NEXT, SWEEP, XMAX, XMIN, YMAX, YMIN
-from mat_core.topology.branch_disc import best_between, farther_phi, partner_change, polish, seen_from, solve_at_corner, touch_arc
+from mat_core.topology.branch_disc import (
+    adopt,
+    best_between,
+    farther_phi,
+    partner_change,
+    polish,
+    seen_from,
+    solve_at_corner,
+    touch_arc,
+)
 from mat_core.topology.discs import K_LOW, NO_PARTNER, NOT_EULER, OK, TOO_SMALL
 from mat_core.topology.faces import link_arcs, list_faces
 from mat_core.topology.split import MANY, find_split, split_face
@@ -116,6 +125,7 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
         tri_hi[0] = hi
         exact = solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, tri_s)
         polish(si, sf, cp, tri_site, tri_s, tri_lo, tri_hi, exact, disc, d)
+        adopt(si, sf, cp, tri_site, tri_s, tri_lo, tri_hi, w_i, k, left, right, disc, d)
         contacts_i[n_contacts] = 0
         contacts_s[n_contacts] = tri_s[0]
         contacts_i[n_contacts + 1] = left
