@@ -14,6 +14,7 @@ from starlette.testclient import TestClient
 
 from service.app import create_app
 from service.middleware import REQUEST_HEADERS
+from service.observability.logs import JsonLines
 from service.settings import Settings
 from tests.service.test_app import HANDLER, JSON, order, problem, wait_until_ready
 from tests.service.test_keys import digest
@@ -113,7 +114,7 @@ def test_so_many_requests_of_one_key_and_no_more(caplog: pytest.LogCaptureFixtur
         with caplog.at_level("INFO", "service.access"):
             refused = client.post("/v1/mat", content=order("echo"), headers=one)
         problem(refused, "too-many-requests")
-        line = json.loads(caplog.messages[-1])
+        line = vars(caplog.records[-1])
         assert (line["client"], line["code"]) == ("a", "too-many-requests")
         assert client.post("/v1/mat", content=order("echo"), headers=two).status_code == 200
         thread.join()
@@ -125,13 +126,14 @@ def test_the_log_knows_the_trace_and_the_key_by_its_name_only(client: TestClient
     trace = "0af7651916cd43dd8448eb211c80319c"
     headers = JSON | {"X-API-Key": "secret", "Traceparent": f"00-{trace}-b7ad6b7169203331-01"}
     with caplog.at_level("INFO", "service.access"):
+        caplog.handler.setFormatter(JsonLines())
         response = client.post("/v1/mat", content=order("echo", once="logged"), headers=headers)
         client.post("/v1/mat", content=order("echo", once="logged"), headers=headers)
-    first, second = map(json.loads, caplog.messages[-2:])
+    first, second = map(json.loads, caplog.text.splitlines()[-2:])
     assert (first["trace_id"], first["client"], first["cache"]) == (trace, digest("secret")[:8], None)
     assert second["cache"] == "hit"
     assert response.headers["traceresponse"] == f"00-{trace}-{first['span_id']}-01"
-    assert "secret" not in " ".join(caplog.messages)
+    assert "secret" not in caplog.text
 
 
 def test_a_defect_anywhere_is_a_problem_with_its_id(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
