@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 
-from service import __version__, openapi, responses
+from service import __version__, middleware, openapi, responses
+from service.caching import ResultCache
 from service.jobs.dbos_jobs import DbosJobs
-from service.middleware import RequestContext
 from service.observability import logs, telemetry
 from service.observability.metrics import Metrics
-from service.routes import batches, docs, health, jobs, metrics, solve
+from service.routes import batches, docs, health, jobs, metrics, processes, solve
 from service.settings import Settings
 from service.workers.pool import Pool
 
@@ -44,21 +44,26 @@ def create_app(settings: Settings | None = None, handler: str = "service.workers
         title="Medial axis transform",
         version=__version__,
         lifespan=lifespan,
+        dependencies=[Depends(responses.check_query)],
+        openapi_url=None,  # served by service.routes.docs, with a tag
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
         telemetry=telemetry.config(),
+        generate_unique_id_function=lambda route: route.name,
     )
     app.state.settings = settings
     app.state.pool = pool
     app.state.jobs = DbosJobs(settings, pool)
     app.state.leaving = False  # becomes true when the process has been asked to end
     app.state.metrics = Metrics(pool)
-    app.add_middleware(RequestContext)
+    app.state.results = ResultCache(settings.result_cache_bytes)
+    middleware.install(app, settings)
     responses.install(app)
     app.include_router(solve.router)
     app.include_router(jobs.router)
     app.include_router(batches.router)
+    app.include_router(processes.router)
     app.include_router(health.router)
     app.include_router(metrics.router)
     app.include_router(docs.router)

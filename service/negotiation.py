@@ -4,24 +4,35 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from email.message import Message
 from typing import Literal
 
 from starlette.datastructures import Headers
 
 from service.errors import RequestError
 
-Format = Literal["json", "geojson", "svg", "dxf"]
+Format = Literal["json", "geojson", "svg", "dxf", "msgpack"]
 
 FORMATS: dict[Format, str] = {
     "json": "application/json",
     "geojson": "application/geo+json",
     "svg": "image/svg+xml",
     "dxf": "image/vnd.dxf",
+    "msgpack": "application/vnd.msgpack",
 }
 """The formats in the order of preference where a client has none; a route may offer some of them only."""
 
+WITH_PRECISION: tuple[Format, ...] = ("json", "geojson", "msgpack")
+"""The formats whose coordinates can be rounded; the numbers of a drawing are its writer's own."""
+
+PRECISION_RANGE = (3, 15)
+"""Significant digits of coordinates: fewer are no shape any more, more are not in every double."""
+
+CODINGS = ("gzip", "x-gzip")
+"""The content coding that is read and written, by both of its names (RFC 9110, 8.4.1.3)."""
+
 _JSON = re.compile(r"application/(json|[^/]+\+json)")
+_QUALITY = re.compile(r"0(\.\d{0,3})?|1(\.0{0,3})?")
+_PARAMETER = re.compile(r';\s*([^\s=;,"]+)\s*=\s*("(?:[^"\\]|\\.)*"|[^;]*)')
 
 
 def choose_format(asked: str | None, accept: str, offered: Sequence[Format] = tuple(FORMATS)) -> Format:
@@ -55,34 +66,64 @@ def choose_format(asked: str | None, accept: str, offered: Sequence[Format] = tu
     return best
 
 
-def check_content(headers: Headers) -> None:
-    """Refuse a body that is declared as something else than plain JSON in UTF-8.
+def check_precision(precision: int | None, form: Format) -> None:
+    """Refuse a precision for a format that has none; its range is the route's to check.
+
+    Raises
+    ------
+    RequestError
+        ``invalid-parameter``.
+    """
+    if precision is not None and form not in WITH_PRECISION:
+        detail = f"precision: the format {form} has none; it goes with {', '.join(WITH_PRECISION)}."
+        raise RequestError("invalid-parameter", detail)
+
+
+def accepts_gzip(accept_encoding: str) -> bool:
+    """Whether a client takes gzip and does not like the plain answer better."""
+    qualities = {name: _number(values.get("q", "1")) for name, values in map(_parameters, accept_encoding.split(","))}
+    wanted = max((qualities[name] for name in CODINGS if name in qualities), default=qualities.get("*", 0.0))
+    return wanted > 0 and wanted >= qualities.get("identity", 0.0)
+
+
+def check_content(headers: Headers) -> bool:
+    """Refuse a body that is declared as something else than JSON in UTF-8, plain or compressed by gzip.
+
+    Returns
+    -------
+    bool
+        Whether it is compressed.
 
     Raises
     ------
     RequestError
         ``unsupported-media-type``.
     """
+    compressed = check_coding(headers)
+    if "content-type" in headers:
+        media_type, parameters = _parameters(headers["content-type"])
+        if not _JSON.fullmatch(media_type):
+            raise RequestError("unsupported-media-type", "Send it with 'Content-Type: application/json'.")
+        if parameters.get("charset", "utf-8").lower() not in ("utf-8", "utf8", "us-ascii"):
+            raise RequestError("unsupported-media-type", "JSON is UTF-8; send it so, without another charset.")
+    return compressed
+
+
+def check_coding(headers: Headers) -> bool:
+    """Whether a body is compressed by gzip. RequestError ``unsupported-media-type`` for any other coding."""
     coding = headers.get("content-encoding", "identity").strip().lower()
-    if coding not in ("", "identity"):
-        refuse = {"Accept-Encoding": "identity"}
-        raise RequestError("unsupported-media-type", f"Content-Encoding {coding!r}: send it as it is.", headers=refuse)
-    if "content-type" not in headers:
-        return
-    media_type, parameters = _parameters(headers["content-type"])
-    if not _JSON.fullmatch(media_type):
-        raise RequestError("unsupported-media-type", "Send the domain with 'Content-Type: application/json'.")
-    if parameters.get("charset", "utf-8").lower() not in ("utf-8", "utf8", "us-ascii"):
-        raise RequestError("unsupported-media-type", "JSON is UTF-8; send it so, without another charset.")
+    if coding not in ("", "identity", *CODINGS):
+        refuse = {"Accept-Encoding": "gzip"}
+        detail = f"Content-Encoding {coding[:40]!r}: send it as it is, or by gzip."
+        raise RequestError("unsupported-media-type", detail, headers=refuse)
+    return coding in CODINGS
 
 
 def _parameters(value: str) -> tuple[str, dict[str, str]]:
-    """``type/subtype; a=b`` taken apart, the type in small letters."""
-    message = Message()
-    message["content-type"] = value.replace("\r", " ").replace("\n", " ")
-    pairs = message.get_params(failobj=[])
-    media_type = pairs[0][0].strip().lower() if pairs else ""
-    return media_type, {name.lower(): content for name, content in pairs[1:]}
+    """``type/subtype; a=b`` taken apart, all but the values in small letters; in time proportional to its length."""
+    head, _, _ = value.partition(";")
+    found = _PARAMETER.findall(value[len(head) :])
+    return head.strip().lower(), {name.lower(): content.strip().strip('"') for name, content in found}
 
 
 def _quality(media_type: str, ranges: list[tuple[str, dict[str, str]]]) -> float:
@@ -96,8 +137,5 @@ def _quality(media_type: str, ranges: list[tuple[str, dict[str, str]]]) -> float
 
 
 def _number(text: str) -> float:
-    """A quality value; one that cannot be read counts as 1."""
-    try:
-        return min(max(float(text), 0.0), 1.0)
-    except ValueError:
-        return 1.0
+    """A quality value (RFC 9110, 12.4.2); what is none counts as 1."""
+    return float(text) if _QUALITY.fullmatch(text) else 1.0

@@ -8,17 +8,31 @@ that a worker encoded, so their schemas are put in here, together with a problem
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from service.errors import ERRORS, MEDIA_TYPE, RequestError
-from service.negotiation import FORMATS, Format
+from service.errors import ERRORS
+from service.keys import is_open
+from service.negotiation import FORMATS
+from service.openapi_parts import (
+    FORMAT_SCHEMAS,
+    IDEMPOTENCY_KEY,
+    LINES,
+    PREFER,
+    SECURITY,
+    Json,
+    accepted,
+    failures,
+    headers,
+    reference,
+)
 from service.operations import OPERATIONS, Operation
+from service.processes import ExecuteRequest
 from service.schemas import ProblemDocument
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "openapi" / "examples"
@@ -35,68 +49,39 @@ Every failure is a problem document (RFC 9457) with a stable `code`; an invalid 
 problems at once, each with its place.
 """
 
-NOT_OF_SOLVING = ("not-found", "method-not-allowed", "not-ready", "result-not-ready", "job-dismissed")
-SOLVE_CODES = [code for code in ERRORS if code not in NOT_OF_SOLVING]
-READY_CODES = ["queue-full", "not-ready", "store-unavailable"]
-JOB_CODES = {
-    "/v1/jobs": {"get": ["invalid-parameter", "store-unavailable"]},
-    "/v1/jobs/{job_id}": {
-        "get": ["invalid-parameter", "not-found", "store-unavailable"],
-        "delete": ["invalid-parameter", "not-found", "store-unavailable"],
-    },
-    "/v1/jobs/{job_id}/results": {"get": [code for code in ERRORS if code not in ("method-not-allowed", "not-ready")]},
-    "/v1/batches": {
-        "post": [
-            *("not-json", "invalid-parameter", "idempotency-key-in-flight", "body-too-large", "unsupported-media-type"),
-            *("idempotency-key-reused", "store-unavailable"),
-        ]
-    },
-}
-"""What can go wrong with jobs; a failed job's results are its own problem, with its status."""
-
-PREFER = {
-    "name": "Prefer",
-    "in": "header",
-    "required": False,
-    "description": "`respond-async`: a job, 201. `respond-async, wait=N`: the answer if it comes within N seconds, else the job."
-    " `wait=N`: the answer within N seconds, or 503 deadline-exceeded. Anything else is passed over.",
-    "schema": {"type": "string"},
-    "example": "wait=10",
-}
-
-IDEMPOTENCY_KEY = {
-    "name": "Idempotency-Key",
-    "in": "header",
-    "required": False,
-    "description": "of a request for a job: when it is sent again with the same key, the same job is answered",
-    "schema": {"type": "string", "minLength": 1, "maxLength": 255, "pattern": r"^[\x21-\x7e]([\x20-\x7e]*[\x21-\x7e])?$"},
-}
-
-LINES = "application/x-ndjson"
-
-FORMAT_SCHEMAS: dict[Format, dict[str, str]] = {
-    "json": {"type": "object"},
-    "geojson": {"type": "object"},
-    "svg": {"type": "string"},
-    "dxf": {"type": "string"},
-}
-"""What the formats are as far as a schema can tell; JSON has one of its own for each route."""
-
-EXAMPLE_PROBLEMS = [
-    {
-        "code": "self-intersection",
-        "pointer": "/outer/0",
-        "message": "edges 0 and 2 of the outer loop cross",
-        "loop": 0,
-        "edge": 0,
-        "u": 0.5,
-        "x": 0.0,
-        "y": 0.0,
-        "other": "/outer/2",
-    }
+SOLVING = [
+    code
+    for code in ERRORS
+    if code not in ("not-found", "method-not-allowed", "not-ready", "origin-not-allowed", "result-not-ready", "job-dismissed")
 ]
+"""Codes of what solves; no-such-process is among them where the process is a part of the address."""
 
-Json = dict[str, Any]
+OWN_CODES = {
+    "/readyz": ["queue-full", "not-ready", "store-unavailable"],
+    "/": ["not-acceptable", "precondition-failed"],
+    "/conformance": ["not-acceptable", "precondition-failed"],
+    "/processes": ["not-acceptable", "precondition-failed"],
+    "/processes/{process_id}": ["no-such-process", "not-acceptable", "precondition-failed"],
+    "/processes/{process_id}/execution": SOLVING,
+    "/v1/jobs": ["store-unavailable"],
+    "/v1/jobs/{job_id}": ["not-found", "store-unavailable"],
+    "/v1/jobs/{job_id}/results": [code for code in ERRORS if code not in ("method-not-allowed", "not-ready")],
+    "/v1/batches": [
+        *("not-json", "not-gzip", "idempotency-key-in-flight", "body-too-large", "unsupported-media-type"),
+        *("idempotency-key-reused", "store-unavailable"),
+    ],
+    **{f"/v1/{name}": [code for code in SOLVING if code != "no-such-process"] for name in OPERATIONS},
+}
+"""What can go wrong at an address, besides what can everywhere; a failed job's results are its own problem."""
+
+EVERYWHERE = ["invalid-parameter", "header-too-large"]
+GUARDED = ["unauthorized", "too-many-requests"]
+
+
+def codes_of(path: str) -> list[str]:
+    """All codes of an address, in the order of the table."""
+    possible = {*EVERYWHERE, *OWN_CODES.get(path, ()), *(() if is_open(path, metrics_open=False) else GUARDED)}
+    return [code for code in ERRORS if code in possible]
 
 
 def install(app: FastAPI) -> None:
@@ -115,7 +100,7 @@ def build(app: FastAPI) -> Json:
     document = get_openapi(
         title=app.title, version=app.version, summary=SUMMARY, description=DESCRIPTION, routes=app.routes
     )
-    models: list[tuple[type[BaseModel], str]] = [(ProblemDocument, "serialization")]
+    models: list[tuple[type[BaseModel], str]] = [(ProblemDocument, "serialization"), (ExecuteRequest, "validation")]
     for operation in OPERATIONS.values():
         models += [(operation.request, "validation"), (operation.answer, "serialization")]
     _, schemas = models_json_schema(models, ref_template="#/components/schemas/{model}")  # type: ignore[arg-type]
@@ -124,48 +109,56 @@ def build(app: FastAPI) -> Json:
     for unused in ("HTTPValidationError", "ValidationError"):
         components.pop(unused, None)
 
+    _forget_nulls(document["paths"])
     for operation in OPERATIONS.values():
         solve = document["paths"][f"/v1/{operation.name}"]["post"]
         solve["requestBody"] = {"required": True, "content": {"application/json": _request_content(operation)}}
-        solve["responses"] = {"200": _solved(operation), "201": _accepted(), **_failures(SOLVE_CODES)}
-        (parameter,) = solve["parameters"]
-        parameter["schema"]["anyOf"][0]["enum"] = list(operation.formats)
+        solve["responses"] = {"200": _solved(operation), "201": accepted()}
         solve["parameters"] += [PREFER, IDEMPOTENCY_KEY]
+        _parameter(solve, "f")["schema"]["enum"] = list(operation.formats)
+    execute = document["paths"]["/processes/{process_id}/execution"]["post"]
+    execute["requestBody"] = {"required": True, "content": {"application/json": _execute_content()}}
+    execute["responses"] = {"200": _executed(), "201": accepted()}
+    execute["parameters"] += [PREFER, IDEMPOTENCY_KEY]
     _describe_jobs(document["paths"])
-    document["paths"]["/readyz"]["get"]["responses"].update(_failures(READY_CODES))
+    document["components"]["securitySchemes"] = SECURITY
+    for path, methods in document["paths"].items():
+        for description in methods.values():
+            good = {status: response for status, response in description["responses"].items() if int(status) < 400}
+            description["responses"] = {**good, **failures(codes_of(path))}
+            if not is_open(path, metrics_open=False):
+                description["security"] = [{}, *({name: []} for name in SECURITY)]
     return document
+
+
+def _forget_nulls(paths: Json) -> None:
+    """A parameter that may be left out is not one that may be null, which no query can say."""
+    for methods in paths.values():
+        for description in methods.values():
+            for parameter in description.get("parameters", ()):
+                for alternative in parameter["schema"].pop("anyOf", ()):
+                    if alternative != {"type": "null"}:
+                        parameter["schema"] |= alternative
+
+
+def _parameter(operation: Json, name: str) -> Json:
+    """A parameter of an operation."""
+    found: Json = next(parameter for parameter in operation["parameters"] if parameter["name"] == name)
+    return found
 
 
 def _describe_jobs(paths: Json) -> None:
     """Put in what the framework cannot see of the routes of jobs."""
-    for path, methods in JOB_CODES.items():
-        for method, codes in methods.items():
-            route = paths[path][method]
-            good = {status: response for status, response in route["responses"].items() if int(status) < 300}
-            route["responses"] = {**good, **_failures(codes)}
     batch = paths["/v1/batches"]["post"]
-    lines = {"schema": {"type": "string", "description": "one domain a line"}}
-    batch["requestBody"] = {"required": True, "content": {LINES: lines}}
-    batch["responses"]["201"] = _accepted()
+    lines = {"type": "string", "pattern": r"[^ \t\n\r\f\v]", "description": "one domain a line; blank ones are passed over"}
+    batch["requestBody"] = {"required": True, "content": {LINES: {"schema": lines}}}
+    batch["responses"]["201"] = accepted()
     batch["parameters"][0]["schema"]["enum"] = list(OPERATIONS)
     batch["parameters"].append(IDEMPOTENCY_KEY)
     results = paths["/v1/jobs/{job_id}/results"]["get"]["responses"]["200"]
     results["description"] = "What the request would have been answered; of a batch, JSON lines."
     results["content"] = {FORMATS[form]: {"schema": schema} for form, schema in FORMAT_SCHEMAS.items()}
     results["content"][LINES] = {"schema": {"type": "string"}}
-
-
-def _accepted() -> Json:
-    """A job was made."""
-    headers = {
-        "Location": {"description": "of its status", "schema": {"type": "string"}},
-        "Preference-Applied": {"description": "the preferences that were honoured", "schema": {"type": "string"}},
-    }
-    content = {"application/json": {"schema": _reference("JobStatus")}}
-    links = {
-        name: {"operationId": name, "parameters": {"job_id": "$response.body#/jobID"}} for name in ("job", "results", "dismiss")
-    }
-    return {"description": "A job: where it is, and how.", "headers": headers, "content": content, "links": links}
 
 
 def _request_content(operation: Operation) -> Json:
@@ -175,39 +168,27 @@ def _request_content(operation: Operation) -> Json:
         domain = json.loads(path.read_text())
         value = {**domain, "arguments": operation.arguments} if operation.arguments else domain
         examples[path.stem] = {"summary": domain["name"], "value": value}
-    return {"schema": _reference(operation.request.__name__)} | ({"examples": examples} if examples else {})
+    return {"schema": reference(operation.request.__name__)} | ({"examples": examples} if examples else {})
 
 
 def _solved(operation: Operation) -> Json:
     """The answer in all of its formats."""
     content: Json = {FORMATS[form]: {"schema": FORMAT_SCHEMAS[form]} for form in operation.formats}
-    content[FORMATS["json"]] = {"schema": _reference(operation.answer.__name__)}
-    return {
-        "description": operation.description,
-        "headers": {
-            "Server-Timing": {"description": "milliseconds of each stage", "schema": {"type": "string"}},
-            "X-Request-ID": {"description": "as sent, or a new one", "schema": {"type": "string"}},
-        },
-        "content": content,
-    }
+    content[FORMATS["json"]] = {"schema": reference(operation.answer.__name__)}
+    return {"description": operation.description, "headers": headers(), "content": content}
 
 
-def _failures(codes: list[str]) -> Json:
-    """One response for each status, with an example for each of its codes."""
-    responses: Json = {}
-    for code in codes:
-        kind = ERRORS[code]
-        content = {"schema": _reference("ProblemDocument"), "examples": {}}
-        response = responses.setdefault(str(kind.status), {"description": "", "content": {MEDIA_TYPE: content}})
-        response["description"] = "; ".join(filter(None, (response["description"], f"`{code}`: {kind.title}")))
-        extra: Json = {"problems": EXAMPLE_PROBLEMS} if code == "invalid-domain" else {}
-        example = RequestError(code, f"{kind.title}.", extra).document()
-        response["content"][MEDIA_TYPE]["examples"][code] = {"value": example}
-        if kind.retry_after_seconds is not None:
-            description = "seconds to wait before trying again"
-            response["headers"] = {"Retry-After": {"description": description, "schema": {"type": "integer"}}}
-    return responses
+def _execute_content() -> Json:
+    """The schema of an execute request, with a rectangle as its example."""
+    inputs = {"outer": [{"degree": 1, "control_points": [a, b]} for a, b in pairwise(_RECTANGLE)]}
+    example = {"inputs": inputs, "outputs": {"result": {"format": {"mediaType": FORMATS["svg"]}}}}
+    return {"schema": reference("ExecuteRequest"), "examples": {"a picture": {"value": example}}}
 
 
-def _reference(model: str) -> Json:
-    return {"$ref": f"#/components/schemas/{model}"}
+def _executed() -> Json:
+    """The output of any process, in any format."""
+    content: Json = {media_type: {"schema": FORMAT_SCHEMAS[form]} for form, media_type in FORMATS.items()}
+    return {"description": "the output as below /v1, or a document that holds it", "headers": headers(), "content": content}
+
+
+_RECTANGLE = [[0, 0], [4, 0], [4, 2], [0, 2], [0, 0]]

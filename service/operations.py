@@ -15,8 +15,8 @@ from service import schemas
 from service.analyses import boundaries, branches, measures
 from service.negotiation import FORMATS, Format
 
-JSON_ONLY: tuple[Format, ...] = ("json",)
-DRAWN: tuple[Format, ...] = ("json", "svg", "dxf")
+UNDRAWN: tuple[Format, ...] = ("json", "msgpack")
+DRAWN: tuple[Format, ...] = ("json", "svg", "dxf", "msgpack")
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Operation:
     description: str
     request: type[BaseModel]
     answer: type[BaseModel]
-    formats: tuple[Format, ...] = JSON_ONLY
+    formats: tuple[Format, ...] = UNDRAWN
     example: str = "plate"
     arguments: dict[str, Any] = field(default_factory=dict)
 

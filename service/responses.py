@@ -1,4 +1,4 @@
-"""Problem documents for every way a request can fail, the web framework's own failures included."""
+"""Answers in the shapes that all routes share: problem documents, and documents that clients may keep."""
 
 from __future__ import annotations
 
@@ -8,21 +8,28 @@ from http import HTTPStatus
 import orjson
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
+from fastapi.routing import iter_route_contexts
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
+from starlette.routing import Match
 
+from service import caching, compression
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
+from service.negotiation import accepts_gzip
 from service.observability.telemetry import note_code
 
 _log = logging.getLogger("service")
 
 _CODES = {400: "invalid-parameter", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large"}
 
+SHOWN = 200
+"""Characters of an address or a name that a problem document repeats."""
+
 
 def problem_response(error: RequestError, request: Request) -> Response:
-    """The answer to a request that failed."""
+    """The answer to a request that failed; nobody is to keep it."""
     kind = ERRORS[error.code]
-    headers = dict(error.headers)
+    headers = {"Cache-Control": "no-store", **error.headers}
     if kind.retry_after_seconds is not None:
         headers["Retry-After"] = str(kind.retry_after_seconds)
     request.state.code = error.code
@@ -31,8 +38,41 @@ def problem_response(error: RequestError, request: Request) -> Response:
     return Response(orjson.dumps(document), kind.status, headers, MEDIA_TYPE)
 
 
+def document_response(request: Request, content: bytes, media_type: str, vary: str = "Accept-Encoding") -> Response:
+    """A document that is at hand, to be kept and asked for again with If-None-Match; compressed for who takes that.
+
+    Meant for documents of up to some hundred kilobytes: they are compressed on the event loop.
+    """
+    tag = caching.content_tag(content)
+    headers = {"ETag": tag, "Cache-Control": "no-cache", "Vary": vary}
+    if caching.unchanged(request.method, request.headers, tag):
+        return Response(status_code=304, headers=headers)
+    if len(content) >= compression.LEAST_BYTES and accepts_gzip(request.headers.get("accept-encoding", "")):
+        content = compression.compress(content)
+        headers["Content-Encoding"] = "gzip"
+    return Response(content, headers=headers, media_type=media_type)
+
+
+async def check_query(request: Request) -> None:
+    """Refuse parameters that the route does not know, and those that are given twice: both are likely slips.
+
+    Raises
+    ------
+    RequestError
+        ``invalid-parameter``, with the names that are known.
+    """
+    known = sorted(parameter.alias for parameter in request.scope["route"].dependant.query_params)
+    names = [name for name, _ in request.query_params.multi_items()]
+    for name in names:
+        if name not in known:
+            there_are = f"known here are {', '.join(known)}" if known else "this address takes none"
+            raise RequestError("invalid-parameter", f"{name[:SHOWN]}: not a parameter; {there_are}.")
+        if names.count(name) > 1:
+            raise RequestError("invalid-parameter", f"{name}: given {names.count(name)} times.")
+
+
 def install(app: FastAPI) -> None:
-    """Make every failure of `app` a problem document."""
+    """Make every failure of `app` a problem document; what is no failure of a request is the middleware's."""
 
     @app.exception_handler(RequestError)
     async def on_request_error(request: Request, error: RequestError) -> Response:
@@ -40,9 +80,14 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(HTTPException)
     async def on_http_exception(request: Request, error: HTTPException) -> Response:
+        headers = dict(error.headers or {})
+        if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+            headers["Allow"] = ", ".join(methods(app, request))
+            if request.method == "OPTIONS":
+                return Response(status_code=204, headers=headers)
         code = _CODES.get(error.status_code, "internal-error" if error.status_code >= 500 else "invalid-parameter")
-        detail = f"{request.method} {request.url.path}: {HTTPStatus(error.status_code).phrase}."
-        return problem_response(RequestError(code, detail, headers=dict(error.headers or {})), request)
+        detail = f"{request.method} {request.url.path[:SHOWN]}: {HTTPStatus(error.status_code).phrase}."
+        return problem_response(RequestError(code, detail, headers=headers), request)
 
     @app.exception_handler(RequestValidationError)
     async def on_invalid_parameter(request: Request, error: RequestValidationError) -> Response:
@@ -53,7 +98,11 @@ def install(app: FastAPI) -> None:
     async def on_client_gone(_request: Request, _error: ClientDisconnect) -> Response:
         return Response(status_code=499)  # for the log; nobody is there to read it
 
-    @app.exception_handler(Exception)
-    async def on_anything_else(request: Request, error: Exception) -> Response:
-        _log.error("request %s failed", request.state.request_id, exc_info=error)
-        return problem_response(RequestError("internal-error", "An unexpected failure, logged."), request)
+
+def methods(app: FastAPI, request: Request) -> list[str]:
+    """The methods of an address, over all routes that are there."""
+    found = {"OPTIONS"}
+    for route in iter_route_contexts(app.routes):
+        if route.matches(request.scope)[0] != Match.NONE:
+            found |= set(route.methods or ("GET",))  # what is mounted serves files
+    return sorted(found | ({"HEAD"} if "GET" in found else set()))

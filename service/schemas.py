@@ -192,6 +192,13 @@ class Versions(Answer):
     algorithm: str
 
 
+class Rounding(Answer):
+    """The decimal grid of coordinates and radii, where a precision was asked for."""
+
+    digits: Annotated[int, Field(ge=1, description="of the larger side of the domain")]
+    step: Annotated[FiniteFloat, Field(gt=0, description="of the grid, in the caller's unit")]
+
+
 class MatAnswer(Answer):
     """The medial axis transform of a domain."""
 
@@ -200,6 +207,7 @@ class MatAnswer(Answer):
     certificate: Certificate
     domain: DomainFigures
     version: Versions
+    rounding: Rounding | None = None
 
 
 class Problem(Answer):

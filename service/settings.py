@@ -12,8 +12,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
+from service.keys import ApiKeys, read_keys
+
 KIB = 1024
 MIB = 1024 * KIB
+
+_ORIGIN = re.compile(r"https?://[a-z0-9.-]+(:\d{1,5})?|null")
 
 
 class InvalidSetting(ValueError):
@@ -82,6 +86,26 @@ def _required_folder(text: str) -> Path:
     return Path(text)
 
 
+def _truth(text: str) -> bool:
+    """true or false"""
+    if text.lower() not in ("true", "false"):
+        raise ValueError
+    return text.lower() == "true"
+
+
+def _keys(text: str) -> ApiKeys:
+    """sha256 digests in hexadecimal, each with a name before it if wanted (name:digest), separated by commas"""
+    return read_keys(text)
+
+
+def _origins(text: str) -> tuple[str, ...]:
+    """origins such as https://tools.example.org, separated by commas, or * for every origin"""
+    origins = tuple(part.strip() for part in text.split(",") if part.strip())
+    if not all(origin == "*" or _ORIGIN.fullmatch(origin) for origin in origins):
+        raise ValueError
+    return origins
+
+
 def _folder(text: str) -> Path | None:
     """A folder, or nothing at all"""
     return Path(text) if text else None
@@ -96,7 +120,9 @@ class Settings:
     workers : int
         Processes that solve. Each takes one domain at a time, so this is the number of cores to use.
     max_body_bytes : int
-        Largest request body, counted as it arrives; a larger one is answered 413.
+        Largest request body, counted as it arrives and, if it is compressed, again as it expands; a larger one is answered 413.
+    max_edges, max_control_points : int
+        Largest domain; a larger one is answered 422 too-complex.
     deadline_seconds : float
         Longest time from a request's arrival to its answer, waiting included; then its worker is killed.
     queue_limit : int
@@ -111,6 +137,16 @@ class Settings:
         How long requests are still taken after SIGTERM while /readyz says no: what a load balancer needs to notice.
     shutdown_drain_seconds : float
         Longest time that requests in flight are then given to end; whole seconds.
+    result_cache_bytes : int
+        Memory for answers that are given again to the same request without solving; 0: none are kept.
+    api_keys : tuple of ApiKey
+        Who may use the service; nobody is asked where there are none.
+    key_concurrency : int
+        Requests that one key may have under way at a time; one more is answered 429; 0: as many as it likes.
+    metrics_open : bool
+        Whether /metrics is answered without a key, too.
+    cors_origins : tuple of str
+        Pages of these origins may use the service from a browser; ``*``: any page.
     log_level : str
         What is logged: debug (health checks, too), info (a line a request), warning or error.
     keep_failed_dir : Path or None
@@ -142,6 +178,13 @@ class Settings:
     worker_recycle_requests: int = field(default=10_000, metadata={"read": _integer(0, 1_000_000_000)})
     shutdown_notice_seconds: float = field(default=0.0, metadata={"read": _seconds(0, 3600)})
     shutdown_drain_seconds: float = field(default=20.0, metadata={"read": _seconds(0, 86_400)})
+    max_edges: int = field(default=500_000, metadata={"read": _integer(1, 10**8)})
+    max_control_points: int = field(default=2_000_000, metadata={"read": _integer(2, 10**8)})
+    result_cache_bytes: int = field(default=32 * MIB, metadata={"read": _integer(0, 1024 * 1024 * MIB)})
+    api_keys: ApiKeys = field(default=(), metadata={"read": _keys})
+    key_concurrency: int = field(default=0, metadata={"read": _integer(0, 100_000)})
+    metrics_open: bool = field(default=False, metadata={"read": _truth})
+    cors_origins: tuple[str, ...] = field(default=(), metadata={"read": _origins})
     log_level: str = field(default="info", metadata={"read": _level})
     keep_failed_dir: Path | None = field(default=None, metadata={"read": _folder})
     data_dir: Path = field(default_factory=_state_folder, metadata={"read": _required_folder})

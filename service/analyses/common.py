@@ -6,7 +6,18 @@ from typing import Annotated, Any
 
 from pydantic import Field, FiniteFloat
 
-from service.schemas import Answer, Certificate, Count, DomainFigures, DomainRequest, Footpoint, Point, Request, Versions
+from service.schemas import (
+    Answer,
+    Certificate,
+    Count,
+    DomainFigures,
+    DomainRequest,
+    Footpoint,
+    Point,
+    Request,
+    Rounding,
+    Versions,
+)
 
 LARGEST = 1e100
 """Of lengths and coordinates, as in `mat_core.analysis.arguments`."""
@@ -31,6 +42,7 @@ class AnalysisAnswer(Answer):
     certificate: Certificate
     domain: DomainFigures
     version: Versions
+    rounding: Rounding | None = None
 
 
 class NoArguments(Request):

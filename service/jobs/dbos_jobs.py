@@ -20,6 +20,7 @@ from service.jobs.batches import Reader
 from service.jobs.keeper import Keeper
 from service.jobs.port import Job, KeyInFlight, KeyReused, Results
 from service.jobs.store import Chunk, NewJob
+from service.orders import Order
 from service.settings import Settings
 from service.workers.pool import Pool
 
@@ -39,30 +40,30 @@ class DbosJobs:
         async with self._keeper.running():
             yield self
 
-    async def submit(self, operation: str, form: str, body: bytes, key: str | None, owner: str | None) -> Job:
+    async def submit(self, order: Order, body: bytes, key: str | None, owner: str | None) -> Job:
         """See `service.jobs.port.Jobs`."""
-        fingerprint = _fingerprint(operation, form, hashlib.sha256(body).hexdigest())
+        fingerprint = _fingerprint(order, hashlib.sha256(body).hexdigest())
         with self._receive(owner, key):
             if (known := await self._known(owner, key, fingerprint)) is not None:
                 return known
             digest = await self._calls.file(self._blobs.put, body)
-            new = NewJob(uuid.uuid4().hex, operation, form, fingerprint, key, owner, False, [Chunk(0, 0, 1, digest)])
+            new = NewJob(uuid.uuid4().hex, order, fingerprint, key, owner, False, [Chunk(0, 0, 1, digest)])
             job = await self._insert(new)
             if not await self._calls.file(self._blobs.has, digest):
                 await self._calls.file(self._blobs.put, body)
             return job
 
-    async def submit_batch(self, operation: str, body: AsyncIterator[bytes], key: str | None, owner: str | None) -> Job:
+    async def submit_batch(self, order: Order, body: AsyncIterator[bytes], key: str | None, owner: str | None) -> Job:
         """See `service.jobs.port.Jobs`."""
         self._keeper.open_store()
         with self._receive(owner, key):
             async with self._folder() as folder:
                 reader = Reader(self._settings, self._blobs, self._calls, folder)
-                fingerprint = _fingerprint(operation, "lines", await reader.read(body))
+                fingerprint = _fingerprint(order, f"lines {await reader.read(body)}")
                 if (known := await self._known(owner, key, fingerprint)) is not None:
                     return known
                 await reader.store()
-                new = NewJob(uuid.uuid4().hex, operation, "json", fingerprint, key, owner, True, reader.chunks)
+                new = NewJob(uuid.uuid4().hex, order, fingerprint, key, owner, True, reader.chunks)
                 job = await self._insert(new)
                 await reader.look_again()
                 return job
@@ -158,9 +159,10 @@ class DbosJobs:
         return job
 
 
-def _fingerprint(operation: str, form: str, digest: str) -> str:
+def _fingerprint(order: Order, digest: str) -> str:
     """Of everything that must be the same for a request to be a repetition."""
-    return hashlib.sha256(f"{operation}\n{form}\n{digest}".encode()).hexdigest()
+    options = json.dumps(dict(order.options), sort_keys=True)
+    return hashlib.sha256(f"{order.operation}\n{order.form}\n{options}\n{digest}".encode()).hexdigest()
 
 
 def _token(place: tuple[float, str]) -> str:
@@ -174,6 +176,6 @@ def _place(token: str) -> tuple[float, str]:
         created, job_id = json.loads(base64.urlsafe_b64decode(token + "=" * (-len(token) % 4)))
     except (binascii.Error, TypeError) as error:
         raise ValueError(token) from error
-    if not (isinstance(created, float) and isinstance(job_id, str)):
+    if not (isinstance(created, float) and isinstance(job_id, str) and job_id.isalnum()):
         raise ValueError(token)
     return created, job_id

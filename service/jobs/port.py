@@ -9,12 +9,14 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import AbstractAsyncContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal, Protocol
+
+from service.orders import Order
 
 State = Literal["accepted", "running", "successful", "failed", "dismissed"]
 
@@ -43,6 +45,8 @@ class Job:
         The name of the key that made it; None where no keys are in force.
     batch : bool
         True when the results are lines, one a domain.
+    options : mapping
+        What else was asked for, see `service.orders.Order`.
     """
 
     id: str
@@ -57,6 +61,7 @@ class Job:
     message: str
     owner: str | None
     batch: bool = False
+    options: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def over(self) -> bool:
@@ -103,13 +108,11 @@ class Jobs(Protocol):
         """Keep the store open, and run jobs where the role says so; starting never waits for the store."""
         ...
 
-    async def submit(self, operation: str, form: str, body: bytes, key: str | None, owner: str | None) -> Job:
+    async def submit(self, order: Order, body: bytes, key: str | None, owner: str | None) -> Job:
         """Make a job of one request; when this returns, the job is on disk. Raises `KeyReused`, `KeyInFlight`."""
         ...
 
-    async def submit_batch(
-        self, operation: str, body: AsyncIterator[bytes], key: str | None, owner: str | None
-    ) -> Job:
+    async def submit_batch(self, order: Order, body: AsyncIterator[bytes], key: str | None, owner: str | None) -> Job:
         """Make a job of many domains, one a line. Raises `KeyReused`, `KeyInFlight`, `BatchRefused`."""
         ...
 

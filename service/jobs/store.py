@@ -19,6 +19,7 @@ from sqlalchemy import event
 
 from service.jobs.port import UNFINISHED, Job, State
 from service.jobs.tables import CHUNKS, JOBS, LEASES, METADATA
+from service.orders import Order
 
 CONNECT_SECONDS = 2
 STATEMENT_SECONDS = 10
@@ -51,8 +52,7 @@ class NewJob:
     """What is known of a job before it is stored."""
 
     id: str
-    operation: str
-    format: str
+    order: Order
     fingerprint: str
     key: str | None
     owner: str | None
@@ -109,7 +109,8 @@ class Store:
         """Write a job, its chunks and its first workflows. IntegrityError when its key is taken."""
         with self.engine.begin() as c:
             now = self.now()
-            given = {name: getattr(new, name) for name in ("id", "key", "fingerprint", "operation", "format", "batch")}
+            given = {name: getattr(new, name) for name in ("id", "key", "fingerprint", "batch")}
+            given |= {"operation": new.order.operation, "format": new.order.form, "options": dict(new.order.options)}
             begun = {"state": "accepted", "progress": 0, "message": "Waiting for a worker.", "created": now, "updated": now}
             row = c.execute(sa.insert(JOBS).values(**given, **begun, owner=new.owner or "").returning(JOBS)).one()
             rows = [
@@ -289,7 +290,7 @@ _LOCK = 0x6D61745F
 
 
 def _job(row: Any) -> Job:
-    names = ("id", "operation", "format", "state", "progress", "message", "batch")
+    names = ("id", "operation", "format", "state", "progress", "message", "batch", "options")
     given: dict[str, Any] = {name: getattr(row, name) for name in names}
     given |= {name: _time(getattr(row, name)) for name in ("created", "started", "updated", "finished")}
     return Job(**given, owner=row.owner or None)

@@ -18,6 +18,7 @@ JOBS = sa.Table(
     sa.Column("fingerprint", sa.String(64), nullable=False),  # of everything a repeated request must repeat
     sa.Column("operation", sa.String, nullable=False),
     sa.Column("format", sa.String, nullable=False),
+    sa.Column("options", sa.JSON, nullable=False),
     sa.Column("state", sa.String, nullable=False),
     sa.Column("created", sa.Float, nullable=False),
     sa.Column("started", sa.Float),

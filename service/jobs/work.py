@@ -23,6 +23,8 @@ from service.jobs.blobs import Blobs
 from service.jobs.calls import Calls
 from service.jobs.port import Job, StoreUnavailable
 from service.jobs.store import Chunk, Enqueue, Store
+from service.negotiation import Format
+from service.orders import Order
 from service.settings import MIB, Settings
 from service.workers.pool import DeadlineExceeded, Pool, Reply, WorkerCrashed
 
@@ -164,9 +166,8 @@ class Work:
         return failed
 
     def _header(self, job: Job) -> dict[str, Any]:
-        keep: Path | None = self._settings.keep_failed_dir
-        ids = {"job_id": job.id}
-        return {"operation": job.operation, "format": job.format, "keep": str(keep) if keep else None, "ids": ids}
+        order = Order(job.operation, cast("Format", job.format), job.options)
+        return {**order.header(self._settings), "ids": {"job_id": job.id}}
 
     async def _patiently(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The value of a call that stores a result, made again while it fails, for a while."""

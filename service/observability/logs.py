@@ -24,7 +24,7 @@ from typing import Any
 import orjson
 
 IDS: ContextVar[Mapping[str, str]] = ContextVar("IDS", default={})  # noqa: B039  # never written to
-"""request_id, and trace_id where the request belongs to a trace, of the request that is being handled."""
+"""request_id, trace_id and span_id of the request that is being handled."""
 
 WITH_HANDLERS_OF_THEIR_OWN = ("uvicorn", "uvicorn.error", "uvicorn.access", "dbos")
 """Loggers whose libraries print in their own way unless told otherwise."""

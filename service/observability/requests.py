@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import logging
-import re
 import time
 from collections.abc import Mapping
 from contextvars import Token
 
-from starlette.datastructures import Headers
 from starlette.types import Scope
 
 from service.observability.logs import IDS
 from service.observability.metrics import SUCCESS, Metrics
-from service.observability.telemetry import QUIET, current_trace_id
+from service.observability.telemetry import QUIET
+from service.trace_context import TraceContext
 
 _log = logging.getLogger("service.access")
-
-_TRACEPARENT = re.compile(r"[0-9a-f]{2}-(?!0{32})([0-9a-f]{32})-(?!0{16})[0-9a-f]{16}-[0-9a-f]{2}(-.*)?")
 
 UNMATCHED = "(none)"
 """The route of a request whose address leads nowhere."""
@@ -32,19 +29,20 @@ class Watch:
     Parameters
     ----------
     scope : Scope
-        The connection's; its ``state`` is read at the end: ``code``, ``bytes_in`` and ``timings`` (milliseconds by stage).
+        The connection's; its ``state`` is read at the end: ``client`` (the name of its key),
+        ``code``, ``cache``, ``bytes_in`` and ``timings`` (milliseconds by stage).
     request_id : str
         The id that the client gets.
+    trace : TraceContext
+        The trace that the request belongs to, and its span.
     """
 
-    def __init__(self, scope: Scope, request_id: str) -> None:
+    def __init__(self, scope: Scope, request_id: str, trace: TraceContext) -> None:
         self._scope = scope
         self._begun = time.monotonic()
         self._metrics: Metrics = scope["app"].state.metrics
         self._metrics.begin()
-        ids = {"request_id": request_id}
-        if trace := current_trace_id() or trace_id(Headers(scope=scope)):
-            ids["trace_id"] = trace
+        ids = {"request_id": request_id, "trace_id": trace.trace_id, "span_id": trace.span_id}
         self._token: Token[Mapping[str, str]] = IDS.set(ids)
 
     def end(self, status: int | None, bytes_out: int) -> None:
@@ -64,6 +62,8 @@ class Watch:
             "route": route,
             "status": status,
             "code": code,
+            "client": state.get("client"),
+            "cache": state.get("cache"),
             "ms": round(1000 * seconds, 1),
             "bytes_in": bytes_in,
             "bytes_out": bytes_out,
@@ -82,9 +82,3 @@ def route_template(scope: Scope) -> str:
     """The route as it stands in the router, with its parameters' names; one for all addresses that lead nowhere."""
     route = scope.get("route")
     return getattr(route, "path_format", None) or getattr(route, "path", None) or UNMATCHED
-
-
-def trace_id(headers: Headers) -> str | None:
-    """The trace that a request belongs to, by its header traceparent (W3C Trace Context)."""
-    match = _TRACEPARENT.fullmatch(headers.get("traceparent", "").strip().lower())
-    return match[1] if match else None

@@ -21,6 +21,8 @@ from fastapi.telemetry import TelemetryConfig
 from opentelemetry import trace
 from starlette.types import Scope
 
+from service.trace_context import TraceContext
+
 QUIET = ("/healthz", "/readyz", "/metrics")
 """Asked every few seconds by machines; the answer is no news for people."""
 
@@ -44,10 +46,13 @@ def _unwatched(scope: Scope) -> bool:
     return scope.get("path") in QUIET
 
 
-def current_trace_id() -> str | None:
-    """The id of the trace that is being recorded, if one is."""
+def current_trace() -> TraceContext | None:
+    """The span that is being recorded, if one is."""
     context = trace.get_current_span().get_span_context()
-    return trace.format_trace_id(context.trace_id) if context.is_valid else None
+    if not context.is_valid:
+        return None
+    ids = trace.format_trace_id(context.trace_id), trace.format_span_id(context.span_id)
+    return TraceContext(*ids, flags=int(context.trace_flags))
 
 
 def note_code(code: str) -> None:

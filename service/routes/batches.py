@@ -6,11 +6,15 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
+from service.compression import expanded
 from service.errors import RequestError
 from service.jobs.port import BatchRefused
+from service.negotiation import check_coding
 from service.operations import OPERATIONS
+from service.orders import Order
 from service.preferences import Preferences
 from service.routes.jobs import LINES, created, idempotency_key, jobs_of, owner_of, refusals
+from service.routes.solve import PrecisionParameter, announced_bytes
 
 router = APIRouter(tags=["jobs"])
 
@@ -21,6 +25,7 @@ TYPES = (LINES, "application/jsonl", "application/jsonlines")
 async def batch(
     request: Request,
     operation: Annotated[str, Query(description="what is done with each domain: a route below /v1")] = "mat",
+    precision: PrecisionParameter = None,
 ) -> Response:
     """A body of JSON lines, each a domain as the operation's own route takes it, `arguments` included.
 
@@ -32,17 +37,16 @@ async def batch(
     media_type = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if media_type not in TYPES:
         raise RequestError("unsupported-media-type", f"Send one domain a line, with 'Content-Type: {LINES}'.")
-    if request.headers.get("content-encoding", "identity").strip().lower() not in ("", "identity"):
-        refuse = {"Accept-Encoding": "identity"}
-        raise RequestError("unsupported-media-type", "Content-Encoding: send the lines as they are.", headers=refuse)
+    compressed = check_coding(request.headers)
     key = idempotency_key(request)
-    announced = request.headers.get("content-length", "")
     limit = request.app.state.settings.max_batch_bytes
-    if announced.isdigit() and int(announced) > limit:
+    if announced_bytes(request) > limit:
         raise RequestError("body-too-large", f"The limit of a batch is {limit} bytes.", headers={"Connection": "close"})
+    order = Order(operation, "json", {} if precision is None else {"precision": precision})
+    lines = expanded(request.stream(), limit) if compressed else request.stream()
     with refusals():
         try:
-            job = await jobs_of(request).submit_batch(operation, request.stream(), key, owner_of(request))
+            job = await jobs_of(request).submit_batch(order, lines, key, owner_of(request))
         except BatchRefused as error:
             raise RequestError(error.code, error.detail, {"line": error.line}, {"Connection": "close"}) from None
     return created(request, job, Preferences())

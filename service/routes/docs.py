@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fastapi import APIRouter, Response
+import orjson
+from fastapi import APIRouter, Request, Response
 from fastapi.openapi.docs import get_swagger_ui_html
 from fastapi.staticfiles import StaticFiles
+
+from service.responses import document_response
 
 STATIC = Path(__file__).resolve().parents[1] / "static"
 
@@ -27,7 +30,10 @@ async def docs() -> Response:
     )
 
 
-@router.get("/")
-async def root() -> Response:
-    """Someone who opens the bare address in a browser wants the documentation."""
-    return Response(status_code=307, headers={"Location": "docs"})
+@router.get("/openapi.json")
+async def openapi(request: Request) -> Response:
+    """The OpenAPI document; made and written once, on first use."""
+    state = request.app.state
+    if not hasattr(state, "openapi_text"):
+        state.openapi_text = orjson.dumps(request.app.openapi())
+    return document_response(request, state.openapi_text, "application/json")

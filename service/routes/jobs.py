@@ -14,9 +14,11 @@ import orjson
 from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
-from service.errors import RequestError
+from service import caching, compression
+from service.errors import OGC, RequestError
 from service.jobs.port import Job, Jobs, KeyInFlight, KeyReused, StoreUnavailable
-from service.negotiation import FORMATS
+from service.negotiation import FORMATS, accepts_gzip
+from service.orders import Order
 from service.preferences import Preferences
 from service.schemas import JobList, JobStatus, Link
 
@@ -36,6 +38,7 @@ LONGEST_WAIT = 600
 PIECE_BYTES = 256 * 1024
 """Of a result that is sent at a time."""
 
+_ID = re.compile(r"[0-9a-f]{32}")
 _KEY = re.compile(r"[\x21-\x7e]([\x20-\x7e]{0,253}[\x21-\x7e])?")
 
 JobId = Annotated[str, Path(description="as in the status document", max_length=64)]
@@ -79,10 +82,10 @@ async def dismiss(request: Request, job_id: JobId) -> JobStatus:
         return status_document(request, await jobs_of(request).dismiss(job))
 
 
-async def submit(request: Request, operation: str, form: str, body: bytes, wishes: Preferences) -> Response:
+async def submit(request: Request, order: Order, body: bytes, wishes: Preferences) -> Response:
     """Make a job of a request: 201 once it is on disk, or its answer if that comes within the time the client waits."""
     with refusals():
-        job = await jobs_of(request).submit(operation, form, body, idempotency_key(request), owner_of(request))
+        job = await jobs_of(request).submit(order, body, idempotency_key(request), owner_of(request))
     if wishes.wait:
         job = await _wait(request, job, min(wishes.wait, LONGEST_WAIT))
         if job.over:
@@ -110,20 +113,31 @@ async def answer(request: Request, job: Job) -> Response:
         if job.state == "failed":
             raise RequestError(**await jobs_of(request).failure(job))
         found = await jobs_of(request).results(job)
-        for file in found.files:
-            if not await asyncio.to_thread(file.is_file):
-                raise RequestError("not-found", "The results were removed.")
-    headers = {"ETag": f'"{found.digest}"'}
+        try:
+            size = sum([(await asyncio.to_thread(file.stat)).st_size for file in found.files])
+        except FileNotFoundError:
+            raise RequestError("not-found", "The results were removed.") from None
+    tag = caching.tag(found.digest)
+    headers = {"ETag": tag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
+    if request.method == "GET" and caching.unchanged(request.method, request.headers, tag):
+        return Response(status_code=304, headers=headers)
+    pieces = _pieces(found.files)
+    if size >= compression.LEAST_BYTES and accepts_gzip(request.headers.get("accept-encoding", "")):
+        headers["Content-Encoding"] = "gzip"
+        pieces = compression.compressed(pieces)
     media_type = LINES if job.batch else FORMATS[job.format]  # type: ignore[index]  # one of them when it was stored
-    return StreamingResponse(_pieces(found.files), 200, headers, media_type)
+    return StreamingResponse(pieces, 200, headers, media_type)
 
 
 async def find(request: Request, job_id: str) -> Job:
     """The job at an address, if the client may see it."""
-    with refusals():
-        job = await jobs_of(request).get(job_id, owner_of(request))
+    job = None
+    if _ID.fullmatch(job_id):  # a database takes not every text that an address can hold
+        with refusals():
+            job = await jobs_of(request).get(job_id, owner_of(request))
     if job is None:
-        raise RequestError("not-found", f"There is no job {job_id!r}, or it is not yours, or it was removed.")
+        detail = f"There is no job {job_id!r}, or it is not yours, or it was removed."
+        raise RequestError("not-found", detail, {"type": f"{OGC}/no-such-job"})
     return job
 
 

@@ -4,53 +4,57 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from starlette.requests import ClientDisconnect
 
+from service import caching
+from service.caching import Kept, ResultCache
+from service.compression import expanded
 from service.errors import RequestError
-from service.negotiation import FORMATS, check_content, choose_format
+from service.negotiation import (
+    FORMATS,
+    PRECISION_RANGE,
+    Format,
+    accepts_gzip,
+    check_content,
+    check_precision,
+    choose_format,
+)
 from service.observability.logs import IDS
 from service.observability.telemetry import record_work
 from service.operations import OPERATIONS, Operation
-from service.preferences import read_preferences
+from service.orders import Order
+from service.preferences import Preferences, read_preferences
 from service.routes import jobs
 from service.settings import Settings
 from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
 
 router = APIRouter(tags=["medial axis"])
 
+FormatParameter = Annotated[str | None, Query(description="the format; goes before the Accept header")]
+PrecisionParameter = Annotated[
+    int | None,
+    Query(
+        ge=PRECISION_RANGE[0],
+        le=PRECISION_RANGE[1],
+        description="significant digits of coordinates and radii, counted from the first one of the domain's larger side; all"
+        " of them when left out. Not with drawings. The certificate speaks of the axis before it is rounded",
+    ),
+]
+
+VARY = "Accept, Accept-Encoding"
+
+LONGEST_LENGTH = 18  # digits of a Content-Length that is believed; any other body is counted as it comes
+
 
 def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
     """The function behind the route of an operation."""
 
-    async def solve(
-        request: Request,
-        f: Annotated[str | None, Query(description="the format; goes before the Accept header")] = None,
-    ) -> Response:
-        settings: Settings = request.app.state.settings
-        pool: Pool = request.app.state.pool
-        form = choose_format(f, request.headers.get("accept", "*/*"), operation.formats)
-        check_content(request.headers)
-        wishes = read_preferences(request.headers.getlist("prefer"))
-        if not wishes.respond_async and pool.refuses(announced_bytes(request)):
-            raise queue_full()  # before its body takes memory here
-        body = await read_body(request, settings.max_body_bytes)
-        if wishes.respond_async:
-            return await jobs.submit(request, operation.name, form, body, wishes)
-        keep = str(settings.keep_failed_dir) if settings.keep_failed_dir else None
-        header = {"operation": operation.name, "format": form, "keep": keep, "ids": dict(IDS.get())}
-        reply = await _solve_unless_disconnected(request, pool, header, body, wishes.wait)
-        timings = {"queue": 1000 * reply.queue_seconds, **reply.header.get("timings", {})}
-        request.state.timings = timings
-        record_work(timings, reply.work_seconds)
-        if "error" in reply.header:
-            raise RequestError(**reply.header["error"])
-        timing = ", ".join(f"{name};dur={value:.3f}" for name, value in timings.items())
-        headers = {"Server-Timing": timing, "Vary": "Accept", **wishes.headers}
-        return Response(reply.body, headers=headers, media_type=FORMATS[form])
+    async def solve(request: Request, f: FormatParameter = None, precision: PrecisionParameter = None) -> Response:
+        return await answer(request, make_order(request, operation, f, precision))
 
     return solve
 
@@ -66,6 +70,67 @@ for _operation in OPERATIONS.values():
     )
 
 
+def make_order(request: Request, operation: Operation, f: str | None, precision: int | None, **options: Any) -> Order:
+    """What a request asks for, besides what its body does."""
+    form = choose_format(f, request.headers.get("accept", "*/*"), operation.formats)
+    check_precision(precision, form)
+    return Order(operation.name, form, {**({} if precision is None else {"precision": precision}), **options})
+
+
+async def answer(request: Request, order: Order) -> Response:
+    """Read the body and answer it: by a job if that is preferred, else from what is kept, or by a worker."""
+    settings: Settings = request.app.state.settings
+    pool: Pool = request.app.state.pool
+    compressed = check_content(request.headers)
+    wishes = read_preferences(request.headers.getlist("prefer"))
+    jobs.idempotency_key(request)  # one that is none is refused of every request, whether it is needed or not
+    if not wishes.respond_async and pool.refuses(announced_bytes(request)):
+        raise queue_full()  # before its body takes memory here
+    body = await read_body(request, settings.max_body_bytes, compressed)
+    if wishes.respond_async:
+        if "execute" in order.options:
+            order = await _look(request, order, body)
+        return await jobs.submit(request, order, body, wishes)
+    return await _answer_now(request, order, body, wishes)
+
+
+async def _answer_now(request: Request, order: Order, body: bytes, wishes: Preferences) -> Response:
+    """The answer itself, and the tag that it is known by."""
+    pool: Pool = request.app.state.pool
+    cache: ResultCache = request.app.state.results
+    header = order.header(request.app.state.settings)
+    versions = pool.about
+    digest = await caching.digest(body, **header, **versions)
+    tag = caching.tag(digest)
+    if versions:  # not loaded yet: nobody knows which versions will answer
+        caching.unchanged(request.method, request.headers, tag)
+    gzip = accepts_gzip(request.headers.get("accept-encoding", ""))
+    kept = cache.get(digest, gzip)
+    if kept is not None:
+        request.state.cache = "hit"
+        headers = {**kept.headers, "Server-Timing": "cache;desc=hit", "Cache-Status": "mat; hit", **wishes.headers}
+        return Response(kept.content, headers=headers, media_type=kept.media_type)
+    reply = await _solve_unless_disconnected(request, {**header, "gzip": gzip}, body, wishes.wait)
+    media_type = FORMATS["json"] if reply.header.get("whole") else FORMATS[reply.header.get("format", order.form)]
+    headers = {"Vary": VARY}
+    if reply.header.get("gzip"):
+        headers["Content-Encoding"] = "gzip"
+    if versions and versions == pool.about:
+        headers["ETag"] = tag
+        cache.put(digest, gzip, Kept(reply.body, headers, media_type))
+    timing = ", ".join(f"{name};dur={value:.3f}" for name, value in request.state.timings.items())
+    told = {"Server-Timing": timing, "Cache-Status": "mat; fwd=miss", **wishes.headers}
+    return Response(reply.body, headers=headers | told, media_type=media_type)
+
+
+async def _look(request: Request, order: Order, body: bytes) -> Order:
+    """The order of a job with the format that its execute request names, which only a worker reads."""
+    header = order.header(request.app.state.settings)
+    reply = await _solve_unless_disconnected(request, {**header, "look": True}, body, None)
+    form: Format = "json" if reply.header["whole"] else reply.header["format"]
+    return Order(order.operation, form, order.options)
+
+
 def queue_full() -> RequestError:
     """The refusal of a request that there is no room for."""
     return RequestError("queue-full", "As many requests wait as may wait; this one was not started.")
@@ -74,36 +139,52 @@ def queue_full() -> RequestError:
 def announced_bytes(request: Request) -> int:
     """The size of the body as its header has it; 0 where it says nothing."""
     announced = request.headers.get("content-length", "")
-    return int(announced) if announced.isdigit() else 0
+    return int(announced) if announced.isascii() and announced.isdigit() and len(announced) <= LONGEST_LENGTH else 0
 
 
-async def read_body(request: Request, limit: int) -> bytes:
-    """The body, refused as soon as it is known to be too large; its bytes are counted, whatever its header promises."""
-    too_large = RequestError("body-too-large", f"The limit is {limit} bytes.", headers={"Connection": "close"})
-    if announced_bytes(request) > limit:
-        raise too_large
+async def read_body(request: Request, limit: int, compressed: bool = False) -> bytes:
+    """The body, expanded if need be, refused as soon as it is known to be too large.
+
+    Its bytes are counted, whatever its header promises; those that it expands to are counted, too.
+    """
+    pieces = _arriving(request, limit)
     body = bytearray()
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > limit:
-            raise too_large
-    request.state.bytes_in = len(body)
+    async for piece in expanded(pieces, limit) if compressed else pieces:
+        body += piece
     return bytes(body)
 
 
-async def _solve_unless_disconnected(
-    request: Request, pool: Pool, header: dict[str, Any], body: bytes, wait: int | None
-) -> Reply:
+async def _arriving(request: Request, limit: int) -> AsyncIterator[bytes]:
+    """The body as it comes, up to its limit."""
+    too_large = RequestError("body-too-large", f"The limit is {limit} bytes.", headers={"Connection": "close"})
+    if announced_bytes(request) > limit:
+        raise too_large
+    request.state.bytes_in = 0
+    async for piece in request.stream():
+        request.state.bytes_in += len(piece)
+        if request.state.bytes_in > limit:
+            raise too_large
+        yield piece
+
+
+async def _solve_unless_disconnected(request: Request, header: dict[str, Any], body: bytes, wait: int | None) -> Reply:
     """Wait for the answer and for the client's going away, whichever comes first; the latter frees the worker."""
+    pool: Pool = request.app.state.pool
     longest = request.app.state.settings.deadline_seconds
     deadline = longest if wait is None else min(wait, longest)
-    solving = asyncio.create_task(pool.solve(header, body, deadline_seconds=deadline))
+    told = {**header, "ids": dict(IDS.get())}
+    solving = asyncio.create_task(pool.solve(told, body, deadline_seconds=deadline))
     leaving = asyncio.create_task(_disconnected(request))
     try:
         await asyncio.wait((solving, leaving), return_when=asyncio.FIRST_COMPLETED)
         if not solving.done():
             raise ClientDisconnect
-        return await solving
+        reply = await solving
+        request.state.timings = {"queue": 1000 * reply.queue_seconds, **reply.header.get("timings", {})}
+        record_work(request.state.timings, reply.work_seconds)
+        if "error" in reply.header:
+            raise RequestError(**reply.header["error"])
+        return reply
     except QueueFull:
         raise queue_full() from None
     except DeadlineExceeded:

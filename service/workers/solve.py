@@ -1,7 +1,7 @@
 """What a worker does with one request: read the body, build the domain, solve, operate, encode.
 
-The only module of the service that imports mat_core: its public names, the table of operations, and the formats that show
-their results. Every failure becomes a code of `service.errors`; nothing is raised to the process around it.
+The only module of the service, with its `refusals`, that imports mat_core: its public names, the table of operations, and the
+formats that show their results. Every failure becomes a code of `service.errors`; nothing is raised to the process around it.
 """
 
 from __future__ import annotations
@@ -9,15 +9,11 @@ from __future__ import annotations
 import hashlib
 import importlib
 import inspect
-import json
 import logging
 import os
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-
-import orjson
 
 import mat_core
 from mat_core.analysis.arguments import read_arguments
@@ -27,10 +23,11 @@ from mat_core.formats.json_document import about
 from mat_core.formats.svg import render_result
 from service import __version__
 from service.errors import RequestError
+from service.workers import encode, execute
+from service.workers.clock import Clock
+from service.workers.parse import parse
 from service.workers.process import die_with_parent
-
-MAX_PROBLEMS = 1000
-"""Problems listed in one answer; a body of garbage would otherwise be answered by a larger one."""
+from service.workers.refusals import invalid, not_certified, unsupported
 
 SOLVER_OPTIONS = frozenset(inspect.signature(mat_core.medial_axis).parameters) - {"domain", "progress"}
 """What this version of the library takes; the contract knows more."""
@@ -72,21 +69,25 @@ def handle(header: dict[str, Any], body: bytes, report: Report | None = None) ->
     Parameters
     ----------
     header : dict
-        ``operation``: mat or one of `mat_core.analysis.operations`; ``format``: one that it is answered in; ``keep``: the
-        folder for bodies of failed answers, or None; ``unused``: whether this worker has all of its memory left.
+        ``operation``: mat or one of `mat_core.analysis.operations`; ``format``: one that it is answered in. And if wanted:
+        ``precision``: significant digits; ``gzip``: whether the client takes that; ``most_edges`` and
+        ``most_control_points``: the limits of the operator; ``keep``: the folder for bodies of failed answers;
+        ``execute``: for the execute request of a process, the format of each media type it offers; ``look``: only to tell
+        which format it asks for. ``unused``: whether this worker has all of its memory left.
     body : bytes
-        The request's body as it came.
+        The request's body, expanded.
     report : callable, optional
         Called with the stage that begins and the fraction that is done.
 
     Returns
     -------
     tuple of (dict, bytes)
-        ``{"timings": ...}`` with the encoded answer, or ``{"error": ...}`` with code, detail and extra members, or
-        ``{"again": True}``: memory ran out that earlier requests may have kept, another worker should try.
+        ``{"timings": ..., "format": ..., "gzip": ..., "whole": ...}`` with the encoded answer, or ``{"error": ...}`` with code,
+        detail and extra members, or ``{"again": True}``: memory ran out that earlier requests may have kept, another worker
+        should try.
     """
     try:
-        return _solve(header["operation"], header["format"], body, report)
+        return _solve(header, body, report)
     except RequestError as refusal:
         error = refusal
     except MemoryError:
@@ -97,7 +98,7 @@ def handle(header: dict[str, Any], body: bytes, report: Report | None = None) ->
         _log.exception("a request failed where it must not")
         error = RequestError("internal-error", "An unexpected failure; it is in the service's log.")
     if error.code in ("not-certified", "internal-error"):
-        _keep(header["keep"], body)
+        _keep(header.get("keep"), body)
     return {"error": {"code": error.code, "detail": error.detail, "extra": error.extra}}, b""
 
 
@@ -128,18 +129,57 @@ def handle_lines(header: dict[str, Any], body: bytes, send: Callable[[bytes], No
         if "error" in outcome:
             error = RequestError(**outcome["error"])
             error.extra["line"] = number  # of the batch, where a body of its own would say which of its lines
-            content = _json(error.document())
+            content = encode.text(error.document())
         send(content)
         unused = False
     return {}
 
 
-def _solve(name: str, form: str, body: bytes, report: Report | None) -> Answer:
+def _solve(order: dict[str, Any], body: bytes, report: Report | None) -> Answer:
+    """Read, solve, operate, encode; what was wrapped is wrapped again."""
     clock = Clock()
-    operation = OPERATIONS.get(name)
+    content, strict_error = parse(body)
+    frame = None
+    if order.get("execute"):
+        frame = execute.unwrap(content, order["execute"])
+        order = {**order, "format": frame.form or order["format"]}
+        content = frame.body
+    whole = frame is not None and frame.whole
+    if order.get("look"):
+        return {"timings": clock.laps, "format": order["format"], "whole": whole}, b""
+    try:
+        answer = _answer(order, content, strict_error, clock, report)
+    except RequestError as refusal:
+        if frame is not None:
+            _relocate(refusal.extra.get("problems", []), frame)
+        raise
+    form = order["format"]
+    if whole:
+        media_type = next(name for name, offered in order["execute"].items() if offered == form)
+        answer = execute.wrap(answer, media_type)
+    zipped = False
+    if order.get("gzip"):
+        answer, zipped = encode.compressed(answer)
+        clock.lap("compress")
+    return {"timings": clock.laps, "format": form, "gzip": zipped, "whole": whole}, answer
+
+
+def _relocate(problems: list[dict[str, Any]], frame: execute.Execute) -> None:
+    """Make the places of problems those of the request that the domain came in."""
+    for problem in problems:
+        for member in ("pointer", "other"):
+            if problem.get(member) is not None:
+                problem[member] = frame.place(problem[member])
+
+
+def _answer(
+    order: dict[str, Any], content: Any, strict_error: RequestError | None, clock: Clock, report: Report | None
+) -> bytes:
+    """The answer to a domain, with arguments where the operation has some."""
+    operation = OPERATIONS.get(order["operation"])
     if report is not None:
         report("read", 0.0)
-    domain, arguments = _read(body, operation)
+    domain, arguments = _read(content, operation, order, strict_error)
     clock.lap("read")
     options = dict(domain.options)
     samples = options.pop("samples", False)
@@ -148,20 +188,20 @@ def _solve(name: str, form: str, body: bytes, report: Report | None) -> Answer:
             raise mat_core.UnsupportedOption(option, "it is not available in this version")
         axis = mat_core.medial_axis(domain, **options, progress=_within(report))
     except mat_core.UnsupportedOption as refusal:
-        raise _unsupported(refusal, "/options") from refusal
+        raise unsupported(refusal, "/options") from refusal
     except mat_core.NotCertified as failure:
-        raise _not_certified(failure) from failure
+        raise not_certified(failure) from failure
     clock.lap("solve")
     if report is not None:
         report("encode" if operation is None else operation.name, SOLVING[1])
     if operation is None:
-        content = _encode_axis(axis, form, samples)
+        encoded = _encode_axis(axis, order, samples)
     else:
         result = _operate(operation, axis, arguments)
         clock.lap("operate")
-        content = _encode_result(operation, axis, arguments, result, form)
+        encoded = _encode_result(operation, axis, arguments, result, order)
     clock.lap("encode")
-    return {"timings": clock.laps}, content
+    return encoded
 
 
 def _within(report: Report | None) -> Report | None:
@@ -177,27 +217,31 @@ def _operate(operation: Operation, axis: mat_core.MedialAxis, arguments: dict[st
     try:
         return operation.call(axis, **arguments)
     except mat_core.UnsupportedOption as refusal:
-        raise _unsupported(refusal, "/arguments") from refusal
+        raise unsupported(refusal, "/arguments") from refusal
     except mat_core.NotCertified as failure:
-        raise _not_certified(failure) from failure
+        raise not_certified(failure) from failure
 
 
-def _encode_axis(axis: mat_core.MedialAxis, form: str, samples: bool) -> bytes:
+def _encode_axis(axis: mat_core.MedialAxis, order: dict[str, Any], samples: bool) -> bytes:
     """The axis in one of the formats of /v1/mat."""
+    form = order["format"]
     if form == "svg":
         return axis.to_svg().encode()
     if form == "dxf":
         return axis.to_dxf().encode()
-    return _json(axis.to_geojson() if form == "geojson" else _versioned(axis.to_dict(samples=samples)))
+    document = axis.to_geojson() if form == "geojson" else _versioned(axis.to_dict(samples=samples))
+    return encode.encode(document, form, order.get("precision"), axis.domain.size)
 
 
 def _encode_result(
-    operation: Operation, axis: mat_core.MedialAxis, arguments: dict[str, Any], result: Result, form: str
+    operation: Operation, axis: mat_core.MedialAxis, arguments: dict[str, Any], result: Result, order: dict[str, Any]
 ) -> bytes:
-    """A result in one of the formats of its route: JSON, or its curves as a picture or a drawing."""
-    if form == "json":
+    """A result in one of the formats of its route: a document, or its curves as a picture or a drawing."""
+    form = order["format"]
+    if form in ("json", "msgpack"):
         asked = {"operation": operation.name, "arguments": arguments}
-        return _json({**asked, "result": result.to_dict(), **_versioned(about(axis))})
+        document = {**asked, "result": result.to_dict(), **_versioned(about(axis))}
+        return encode.encode(document, form, order.get("precision"), axis.domain.size)
     assert operation.paths is not None, "only what has curves is offered as a drawing"
     paths = operation.paths(result)
     if form == "dxf":
@@ -210,81 +254,38 @@ def _versioned(document: dict[str, Any]) -> dict[str, Any]:
     return {**document, "version": {**document["version"], "service": __version__}}
 
 
-def _json(document: dict[str, Any]) -> bytes:
-    return orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY)
-
-
-def _read(body: bytes, operation: Operation | None) -> tuple[mat_core.Domain, dict[str, Any]]:
-    """The domain of a body, and the arguments of an operation; the faults of both come together.
-
-    NaN and Infinity are not JSON, but the likely slip of a program that wrote the body; so they are read, and reported
-    like every other fault of the domain with the place where they stand.
-    """
-    try:
-        content = orjson.loads(body)
-        strict_error = None
-    except orjson.JSONDecodeError as error:
-        strict_error = _not_json(error)
-        content = _with_non_finite_numbers(body, strict_error)
+def _read(
+    content: Any, operation: Operation | None, order: dict[str, Any], strict_error: RequestError | None
+) -> tuple[mat_core.Domain, dict[str, Any]]:
+    """The domain of a body, and the arguments of an operation; the faults of both come together."""
     arguments: dict[str, Any] = {}
     problems: list[mat_core.Problem] = []
     if operation is not None and isinstance(content, dict):
         given = content.pop("arguments", None)
         arguments = read_arguments(operation.arguments, given, problems, operation.at_least_one)
+    limits = {}
+    if "most_control_points" in order:
+        limits["max_control_points"] = order["most_control_points"]
+        _check_edges(content, order["most_edges"])
     try:
-        domain = mat_core.Domain.from_dict(content)
-    except mat_core.InvalidDomain as invalid:
-        raise _invalid([*problems, *invalid.problems]) from invalid
+        domain = mat_core.Domain.from_dict(content, **limits)
+    except mat_core.InvalidDomain as refusal:
+        raise invalid([*problems, *refusal.problems]) from refusal
     if problems:
-        raise _invalid(problems)
+        raise invalid(problems)
     if strict_error is not None:
         raise strict_error
     return domain, arguments
 
 
-def _not_json(error: orjson.JSONDecodeError) -> RequestError:
-    place = {"line": error.lineno, "column": error.colno}
-    return RequestError("not-json", f"Line {error.lineno}, column {error.colno}: {error.msg}.", place)
-
-
-def _with_non_finite_numbers(body: bytes, strict_error: RequestError) -> Any:
-    """Read a body again with NaN, Infinity and overflow allowed; raise `strict_error` where that is not all."""
-    if b"NaN" not in body and b"Infinity" not in body and "infinity" not in strict_error.detail:
-        raise strict_error
-    try:
-        return json.loads(body, parse_int=_integer)
-    except (ValueError, RecursionError):
-        raise strict_error from None
-
-
-def _integer(digits: str) -> int | float:
-    """An integer as the strict reader takes it: what does not fit 64 bits becomes a float."""
-    return int(digits) if len(digits) < 19 else float(digits)
-
-
-def _invalid(found: list[mat_core.Problem]) -> RequestError:
-    """The answer to an invalid domain: all its problems, as far as a person would read them."""
-    count = len(found)
-    problems = [problem.to_dict() for problem in found[:MAX_PROBLEMS]]
-    too_complex = all(problem["code"] == "too-complex" for problem in problems)
-    detail = "1 problem, see problems." if count == 1 else f"{count} problems, see problems."
-    if count > MAX_PROBLEMS:
-        detail += f" The first {MAX_PROBLEMS} are listed."
-    return RequestError("too-complex" if too_complex else "invalid-domain", detail, {"problems": problems})
-
-
-def _unsupported(refusal: mat_core.UnsupportedOption, member: str) -> RequestError:
-    """The answer to options or arguments that are well formed one by one but do not go together, or with this domain."""
-    problem = {"code": "unsupported-option", "pointer": f"{member}/{refusal.option}", "message": str(refusal)}
-    return RequestError("invalid-domain", "1 problem, see problems.", {"problems": [problem]})
-
-
-def _not_certified(failure: mat_core.NotCertified) -> RequestError:
-    """The answer that withholds a result: which check failed, where, and all figures of the failed certificate."""
-    problem: dict[str, Any] = {"code": "not-certified", "pointer": "", "message": failure.detail}
-    if failure.place is not None:
-        problem["x"], problem["y"] = failure.place
-    return RequestError("not-certified", str(failure), {"problems": [problem], "certificate": failure.certificate})
+def _check_edges(content: Any, most: int) -> None:
+    """Refuse a domain of too many edges before any of them is looked at."""
+    holes = content.get("holes") if isinstance(content, dict) else None
+    loops = [content.get("outer"), *(holes if isinstance(holes, list) else [])] if isinstance(content, dict) else []
+    count = sum(len(loop) for loop in loops if isinstance(loop, list))
+    if count > most:
+        text = f"the boundary has {count} edges; at most {most} are accepted. Simplify it, or cut it into parts"
+        raise invalid([mat_core.Problem("too-complex", "", text)])
 
 
 def _keep(folder: str | None, body: bytes) -> None:
@@ -296,17 +297,3 @@ def _keep(folder: str | None, body: bytes) -> None:
         (Path(folder) / f"{name}.json").write_bytes(body)
     except OSError as error:
         _log.warning("could not keep a failed request: %s", error)
-
-
-class Clock:
-    """Milliseconds of each stage of a request."""
-
-    def __init__(self) -> None:
-        self.laps: dict[str, float] = {}
-        self._last = time.perf_counter()
-
-    def lap(self, name: str) -> None:
-        """Book the time since the last lap under `name`."""
-        now = time.perf_counter()
-        self.laps[name] = round(1000 * (now - self._last), 3)
-        self._last = now

@@ -96,12 +96,16 @@ def test_the_docstring_of_the_error_table_is_the_table() -> None:
 def test_the_settings_table_is_the_settings() -> None:
     told = {row[0].strip("`"): row[1] for row in rows(README, "variable")}
     assert told.pop("MAT_DATA_DIR") == "~/.local/state/mat-core"  # XDG_STATE_HOME says otherwise where it is set
-    defaults = {
-        variable(item.name): f"{item.default:.10g}" if isinstance(item.default, float) else str(item.default or "(none)")
-        for item in fields(Settings)
-        if item.name != "data_dir"
-    }
-    assert told == defaults
+    assert told == {variable(item.name): shown(item.default) for item in fields(Settings) if item.name != "data_dir"}
+
+
+def shown(default: object) -> str:
+    """A default as the table has it."""
+    if default in (None, (), ""):
+        return "(none)"
+    if isinstance(default, bool):
+        return str(default).lower()
+    return f"{default:.10g}" if isinstance(default, float) else str(default)
 
 
 def test_every_link_leads_somewhere() -> None:

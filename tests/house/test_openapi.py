@@ -12,8 +12,8 @@ from pydantic import ValidationError
 
 from service.app import create_app
 from service.errors import ERRORS, MEDIA_TYPE
-from service.negotiation import FORMATS
-from service.openapi import JOB_CODES, READY_CODES, SOLVE_CODES
+from service.negotiation import FORMATS, PRECISION_RANGE
+from service.openapi import OWN_CODES, codes_of
 from service.operations import OPERATIONS, Operation
 from service.schemas import DomainRequest
 from service.settings import Settings
@@ -52,15 +52,24 @@ def unused_roots(used: set[str]) -> set[str]:
 
 
 def test_every_error_is_described_as_a_problem_document() -> None:
-    described = [(DOCUMENT["paths"][f"/v1/{name}"]["post"], SOLVE_CODES) for name in OPERATIONS]
-    described += [(DOCUMENT["paths"][path][verb], codes) for path, verbs in JOB_CODES.items() for verb, codes in verbs.items()]
-    for operation, codes in (*described, (DOCUMENT["paths"]["/readyz"]["get"], READY_CODES)):
-        for code in codes:
-            response = operation["responses"][str(ERRORS[code].status)]
-            assert list(response["content"]) == [MEDIA_TYPE]
-            assert response["content"][MEDIA_TYPE]["examples"][code]["value"]["code"] == code
-            assert ("headers" in response) == (ERRORS[code].status == 503)
-    assert {code for _, codes in described for code in codes} | set(READY_CODES) | {"method-not-allowed"} == set(ERRORS)
+    for path, methods in DOCUMENT["paths"].items():
+        for operation in methods.values():
+            told = {status for status in operation["responses"] if int(status) >= 400}
+            assert told == {str(ERRORS[code].status) for code in codes_of(path)}
+            for code in codes_of(path):
+                kind = ERRORS[code]
+                response = operation["responses"][str(kind.status)]
+                assert list(response["content"]) == [MEDIA_TYPE]
+                assert response["content"][MEDIA_TYPE]["examples"][code]["value"]["code"] == code
+                assert ("headers" in response) == (kind.status in (429, 503))
+    assert set(OWN_CODES) <= set(DOCUMENT["paths"])
+    assert {code for path in DOCUMENT["paths"] for code in codes_of(path)} | {"method-not-allowed"} == set(ERRORS)
+
+
+def test_only_what_needs_a_key_says_so() -> None:
+    for path, methods in DOCUMENT["paths"].items():
+        for operation in methods.values():
+            assert ("security" in operation) == path.startswith(("/v1/", "/processes/{process_id}/execution"))
 
 
 def test_no_other_media_type_for_errors_has_slipped_in() -> None:
@@ -86,7 +95,10 @@ def test_every_route_has_its_documents_and_formats(operation: Operation) -> None
     content = route["responses"]["200"]["content"]
     assert set(content) == {FORMATS[form] for form in operation.formats}
     assert content["application/json"]["schema"]["$ref"].endswith(f"/{operation.answer.__name__}")
-    assert route["parameters"][0]["schema"]["anyOf"][0]["enum"] == list(operation.formats)
+    queries = [parameter for parameter in route["parameters"] if parameter["in"] == "query"]
+    parameters = {parameter["name"]: parameter["schema"] for parameter in queries}
+    assert parameters["f"]["enum"] == list(operation.formats)
+    assert (parameters["precision"]["minimum"], parameters["precision"]["maximum"]) == PRECISION_RANGE
     assert body["examples"]
     for example in body["examples"].values():
         operation.request.model_validate_json(json.dumps(example["value"]))
@@ -95,7 +107,8 @@ def test_every_route_has_its_documents_and_formats(operation: Operation) -> None
 
 def test_every_solving_route_is_in_the_table() -> None:
     solving = {f"/v1/{name}" for name in OPERATIONS}
-    assert {path for path in DOCUMENT["paths"] if path.startswith("/v1/")} == solving | set(JOB_CODES)
+    others = ("/v1/jobs", "/v1/batches")
+    assert {path for path in DOCUMENT["paths"] if path.startswith("/v1/") and not path.startswith(others)} == solving
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)

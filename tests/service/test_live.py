@@ -193,10 +193,23 @@ def test_a_body_over_the_limit(live: httpx2.Client) -> None:
     assert refused(post(live, b" " * 4_000_001), 413).code == "body-too-large"
 
 
-def test_a_compressed_body_is_refused_and_says_so(live: httpx2.Client) -> None:
-    response = live.post("/v1/mat", content=gzip.compress(b"{}"), headers=JSON | {"Content-Encoding": "gzip"})
+def test_a_body_in_another_coding_is_refused_and_told_which_one_is_read(live: httpx2.Client) -> None:
+    response = live.post("/v1/mat", content=b"{}", headers=JSON | {"Content-Encoding": "br"})
     refused(response, 415)
-    assert response.headers["accept-encoding"] == "identity"
+    assert response.headers["accept-encoding"] == "gzip"
+
+
+def test_a_compressed_body_is_solved_as_the_plain_one(live: httpx2.Client) -> None:
+    body = EXAMPLES[0].read_bytes()
+    response = live.post("/v1/mat", content=gzip.compress(body), headers=JSON | {"Content-Encoding": "gzip"})
+    assert response.content == post(live, body).content
+
+
+def test_a_bomb_is_too_large(live: httpx2.Client) -> None:
+    bomb = gzip.compress(b" " * 50_000_000, 9)
+    assert len(bomb) < 100_000
+    response = live.post("/v1/mat", content=bomb, headers=JSON | {"Content-Encoding": "gzip"})
+    assert refused(response, 413).code == "body-too-large"
 
 
 def expected(response: httpx2.Response) -> None:
