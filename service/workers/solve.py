@@ -28,6 +28,7 @@ from mat_core.formats.svg import render_result
 from service import __version__
 from service.errors import RequestError
 from service.workers.process import die_with_parent
+from service.workers.safe_json import loads
 
 MAX_PROBLEMS = 1000
 """Problems listed in one answer; a body of garbage would otherwise be answered by a larger one."""
@@ -221,7 +222,7 @@ def _read(body: bytes, operation: Operation | None) -> tuple[mat_core.Domain, di
     like every other fault of the domain with the place where they stand.
     """
     try:
-        content = orjson.loads(body)
+        content = loads(body)
         strict_error = None
     except orjson.JSONDecodeError as error:
         strict_error = _not_json(error)
