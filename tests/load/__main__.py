@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from tests.load.calm import beside_huge, calm, deadlines, overload
+from tests.load.durability import database, disk, killed
 from tests.load.faults import faults
 from tests.load.report import Report
 from tests.load.scale import Scale, short
@@ -22,6 +23,9 @@ PARTS: dict[str, Callable[[Scale, Report], Awaitable[None]]] = {
     "overload": overload,
     "deadlines": deadlines,
     "faults": faults,
+    "killed": killed,
+    "database": database,
+    "disk": disk,
 }
 
 
@@ -35,7 +39,7 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     p.add_argument("--huge-edges", type=int, help="of a huge domain")
     p.add_argument("--rate", type=float, help="small requests a second, where they come at a pace")
     p.add_argument("--short", action="store_true", help="a little of everything, with time to spare")
-    p.add_argument("--log", type=Path, help="where the service writes its log; default: a file that is not kept")
+    p.add_argument("--folder", type=Path, help="for the log and the data of the service; default: one that is not kept")
     return p.parse_args(given)
 
 
@@ -52,8 +56,9 @@ def main() -> int:
     """Run what was asked for, print the table; 1 when a promise was broken."""
     asked = arguments()
     with tempfile.TemporaryDirectory() as folder:
-        log = asked.log or Path(folder) / "service.log"
-        scale = short(log) if asked.short else Scale(log)
+        place = asked.folder or Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        scale = short(place) if asked.short else Scale(place)
         names = ("seconds", "events", "workers", "huge_edges", "rate")
         chosen = {name: value for name in names if (value := getattr(asked, name)) is not None}
         load = os.getloadavg()[0]

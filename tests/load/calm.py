@@ -26,7 +26,7 @@ RATIO = 3.0
 async def calm(scale: Scale, report: Report) -> None:
     """Small requests alone."""
     pieces = small()
-    async with serving(scale.log, workers=scale.workers) as server:
+    async with serving(scale.folder, workers=scale.workers) as server:
         await busy(server.port, pieces, 2, 1.0)
         alone, rate = await busy(server.port, pieces, 1, scale.seconds)
         report.figure("calm", "one client", f"{rate:.0f} a second")
@@ -63,7 +63,7 @@ async def beside_huge(scale: Scale, report: Report) -> None:
     pieces = small()
     body = await asyncio.to_thread(huge, scale.huge_edges)
     settings = {"workers": scale.workers, "deadline_seconds": 300, "worker_memory_bytes": 4 << 30}
-    async with serving(scale.log, **settings) as server:
+    async with serving(scale.folder, **settings) as server:
         await busy(server.port, pieces, 2, 1.0)
         async with health(server.port) as healthy:
             before = await paced(server.port, pieces, scale.rate, scale.seconds / 2)
@@ -115,7 +115,7 @@ def _post_and_forget(port: int, body: bytes) -> tuple[int, float]:
 async def overload(scale: Scale, report: Report) -> None:
     """Both small lane and its queue are full of long work: one more is refused at once, and served when there is room again."""
     limit = 4
-    async with serving(scale.log, workers=scale.workers, queue_limit=limit, deadline_seconds=60) as server:
+    async with serving(scale.folder, workers=scale.workers, queue_limit=limit, deadline_seconds=60) as server:
         crowd = [asyncio.create_task(_hold(server.port, endless(seed))) for seed in range(4 * (scale.workers + limit))]
         refused: list[float] = []
         codes: Counter[str] = Counter()
@@ -156,7 +156,7 @@ async def deadlines(scale: Scale, report: Report) -> None:
         async with connected(server.port) as connection:
             return await connection.request("POST", "/v1/mat", endless(seed))
 
-    async with serving(scale.log, workers=scale.workers, deadline_seconds=limit) as server:
+    async with serving(scale.folder, workers=scale.workers, deadline_seconds=limit) as server:
         answers: list[Answer] = []
         for turn in range(max(1, scale.events // 100)):
             seeds = range(4 * turn * scale.workers, 4 * (turn + 1) * scale.workers)

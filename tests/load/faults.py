@@ -49,7 +49,7 @@ async def faults(scale: Scale, report: Report) -> None:
     pieces = small()
     hog = await asyncio.to_thread(huge, HOG_EDGES)
     settings = {"workers": scale.workers, "worker_memory_bytes": MEMORY_BYTES, "deadline_seconds": 10}
-    async with serving(scale.log, **settings) as server:
+    async with serving(scale.folder, **settings) as server:
         events = Events()
         left = iter(range(scale.events))
         async with health(server.port) as healthy:

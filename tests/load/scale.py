@@ -12,8 +12,8 @@ class Scale:
 
     Attributes
     ----------
-    log : Path
-        Where the service writes its log.
+    folder : Path
+        For the log and the data of the service.
     workers : int
     seconds : float
         Of each measurement.
@@ -26,7 +26,7 @@ class Scale:
         Factor on the promised times: a machine that runs other things is no judge of milliseconds.
     """
 
-    log: Path
+    folder: Path
     workers: int = 2
     seconds: float = 15.0
     rate: float = 25.0
@@ -35,6 +35,6 @@ class Scale:
     slack: float = 1.0
 
 
-def short(log: Path) -> Scale:
+def short(folder: Path) -> Scale:
     """What the tests run."""
-    return Scale(log, seconds=2.0, rate=15.0, huge_edges=4_000, events=60, slack=20.0)
+    return Scale(folder, seconds=2.0, rate=15.0, huge_edges=4_000, events=60, slack=20.0)

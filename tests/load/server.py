@@ -21,25 +21,43 @@ GOODBYE_SECONDS = 30.0
 class Server:
     """A running service.
 
+    Parameters
+    ----------
+    folder : Path
+        Its log is here, and its data, unless the settings say where.
+    **settings : object
+        By their names in `service.settings.Settings`.
+
     Attributes
     ----------
     port : int
+    process : subprocess.Popen
     seen : set of int
         Every process of its that was ever met.
     """
 
-    def __init__(self, log: Path, **settings: object) -> None:
+    def __init__(self, folder: Path, **settings: object) -> None:
         self.port = free_port()
         self.seen: set[int] = set()
-        self._log = log
-        self._environment = {f"MAT_{name.upper()}": str(value) for name, value in settings.items()}
+        self._log = folder / "service.log"
+        given = {"data_dir": folder / f"data-{self.port}", "log_level": "warning", **settings}
+        self._environment = {f"MAT_{name.upper()}": str(value) for name, value in given.items()}
         self.process = self._start()
 
     def _start(self) -> subprocess.Popen[bytes]:
         where = ("--host", "127.0.0.1", "--port", str(self.port), "--no-access-log")
-        environment = {**os.environ, "MAT_LOG_LEVEL": "warning", **self._environment}
         with self._log.open("ab") as log:
-            return subprocess.Popen([*COMMAND, *where], cwd=ROOT, env=environment, stderr=log)
+            return subprocess.Popen([*COMMAND, *where], cwd=ROOT, env={**os.environ, **self._environment}, stderr=log)
+
+    def kill(self) -> None:
+        """As the kernel would: nothing is said to anybody."""
+        self.workers()
+        self.process.kill()
+        self.process.wait()
+
+    def start_again(self) -> None:
+        """After a kill; with the same data, at the same port."""
+        self.process = self._start()
 
     async def ready(self) -> None:
         """Wait until it takes work."""
@@ -92,9 +110,9 @@ def used(pid: int) -> float:
 
 
 @contextlib.asynccontextmanager
-async def serving(log: Path, **settings: object) -> AsyncIterator[Server]:
+async def serving(folder: Path, **settings: object) -> AsyncIterator[Server]:
     """A service that is ready, stopped in the end whatever happens."""
-    server = Server(log, **settings)
+    server = Server(folder, **settings)
     try:
         await server.ready()
         server.workers()
