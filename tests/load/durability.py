@@ -41,7 +41,7 @@ async def _accepted(server: Server, piece: Piece) -> str:
         with contextlib.suppress(ConnectionError):
             answer = await _submit(server.port, piece)
             if answer.status == 201:
-                return str(json.loads(answer.body)["id"])
+                return str(json.loads(answer.body)["jobID"])
         await asyncio.sleep(0.05)
 
 
@@ -76,16 +76,18 @@ async def killed(scale: Scale, report: Report) -> None:
     async with serving(scale.folder, workers=scale.workers) as server:
         jobs: dict[str, Piece] = {}
 
-        async def submit(share: Sequence[int]) -> None:
-            for _ in share:
+        count, times = max(20, scale.events // 5), max(2, scale.events // 50)
+        kills = 0
+
+        async def submit() -> None:
+            while kills < times or len(jobs) < count:
                 piece = chance.choice(pieces)
                 jobs[await _accepted(server, piece)] = piece
+                await asyncio.sleep(chance.uniform(0.0, 8.0 * times / count))
 
-        count = max(20, scale.events // 5)
-        submitters = [asyncio.create_task(submit(range(k, count, 4))) for k in range(4)]
-        kills = 0
-        while not all(task.done() for task in submitters) or kills == 0:
-            await asyncio.sleep(chance.uniform(0.3, 2.0))
+        submitters = [asyncio.create_task(submit()) for _ in range(4)]
+        while kills < times:
+            await asyncio.sleep(chance.uniform(0.1, 2.0))
             server.kill()
             kills += 1
             server.start_again()
@@ -153,22 +155,21 @@ async def _refusals(port: int, pieces: Sequence[Piece], seconds: float) -> Count
 
 async def disk(scale: Scale, report: Report) -> None:
     """The disk of bodies and results is full for a while, jobs in flight."""
-    pieces = small()
+    before, meanwhile, after = small(), small(1e-5), small(1e-4)  # what is stored already takes no room
     with _small_disk(scale.folder / "disk") as folder:
         if folder is None:
             report.figure("disk", "left out", "no small file system may be mounted here")
             return
         async with serving(scale.folder, workers=scale.workers, data_dir=folder) as server:
-            jobs = {await _accepted(server, piece): piece for piece in pieces}
-            filler = folder / "filler"
-            _fill(filler)
-            codes = await _refusals(server.port, pieces, min(5.0, scale.seconds))
-            tally = await paced(server.port, pieces, scale.rate, 1.0)
-            filler.unlink()
+            jobs = {await _accepted(server, piece): piece for piece in before}
+            _fill(folder / "filler")
+            codes = await _refusals(server.port, meanwhile, min(5.0, scale.seconds))
+            tally = await paced(server.port, before, scale.rate, 1.0)
+            (folder / "filler").unlink()
             await server.ready()
-            jobs |= {await _accepted(server, piece): piece for piece in pieces}
+            jobs |= {await _accepted(server, piece): piece for piece in after}
             await _finished(server.port, jobs, report, "disk")
-    report.promise("disk", f"jobs are refused meanwhile: {dict(codes)}", set(codes) <= {"store-unavailable", "accepted"})
+    report.promise("disk", f"jobs are refused meanwhile: {dict(codes)}", set(codes) == {"store-unavailable"})
     _undisturbed("disk", tally, report)
     report.promise("disk", "no process stays behind", not server.orphans())
 

@@ -38,19 +38,22 @@ class Piece:
     answer: bytes
 
 
-def small() -> list[Piece]:
-    """Glyphs and icons of the corpus, the examples, and parts with many holes or teeth."""
+def small(tolerance: float | None = None) -> list[Piece]:
+    """Glyphs and icons of the corpus, the examples, and parts with many holes or teeth; other bodies for each tolerance."""
     with gzip.open(ROOT / "tests" / "corpus" / "outlines.jsonl.gz") as file:
         outlines = [json.loads(line) for line in file]
     named = [("glyph" if domain["name"].startswith("a/") else "icon", domain["name"], domain) for domain in outlines]
     examples = sorted((ROOT / "openapi" / "examples").glob("*.json"))
     named += [("part", path.stem, json.loads(path.read_text())) for path in examples]
     named += [("part", shape["name"], shape) for shape in (gear(12), comb(9), hole_grid(2, 2))]
-    return [_piece(kind, name, domain) for kind, name, domain in named]
+    return [_piece(kind, name, domain, tolerance) for kind, name, domain in named]
 
 
-def _piece(kind: str, name: str, domain: Json) -> Piece:
-    body = json.dumps({member: domain[member] for member in MEMBERS if member in domain}).encode()
+def _piece(kind: str, name: str, domain: Json, tolerance: float | None) -> Piece:
+    content = {member: domain[member] for member in MEMBERS if member in domain}
+    if tolerance is not None:
+        content["options"] = content.get("options", {}) | {"tolerance": tolerance}
+    body = json.dumps(content).encode()
     outcome, answer = solve.handle({"operation": "mat", "format": "json", "keep": None}, body)
     assert "error" not in outcome, f"{name}: {outcome}"
     return Piece(name, kind, body, answer)
