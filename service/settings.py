@@ -94,7 +94,8 @@ class Settings:
     Attributes
     ----------
     workers : int
-        Processes that solve. Each takes one domain at a time, so this is the number of cores to use.
+        Domains solved at a time, so the number of cores to use. While jobs or long requests use all of them, one more process works
+        for the requests that go before (`service.workers.lanes`), and one more is kept warm.
     max_body_bytes : int
         Largest request body, counted as it arrives; a larger one is answered 413.
     deadline_seconds : float
