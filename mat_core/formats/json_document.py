@@ -196,9 +196,12 @@ def _text(value: Any) -> bytes:
 
 
 def _read(text: bytes) -> Any:
-    """What JSON text says."""
+    """What JSON text says that was written here."""
     if HAS_ORJSON:
         import orjson
 
-        return orjson.loads(text)
+        try:
+            return orjson.loads(text)
+        except orjson.JSONDecodeError as error:  # its complaint about a buffer that it could not have
+            raise MemoryError from error
     return json.loads(text)

@@ -126,9 +126,10 @@ class Nursery:
         nursery = os.getpid()
         try:
             pid = os.fork()
-        except OSError as error:  # its channel closes, so whoever counts on it finds out
+        except OSError as error:
             _log.error("no worker could be forked: %s", error)
             os.close(descriptor)
+            self._events.emit("gone", worker=worker, exit_code=error.errno)
             return
         if pid == 0:
             self._become_worker(descriptor, nursery)

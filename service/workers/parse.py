@@ -8,6 +8,7 @@ from typing import Any
 import orjson
 
 from service.errors import RequestError
+from service.workers.safe_json import loads
 
 
 def parse(body: bytes) -> tuple[Any, RequestError | None]:
@@ -17,7 +18,7 @@ def parse(body: bytes) -> tuple[Any, RequestError | None]:
     like every other fault of the domain with the place where they stand.
     """
     try:
-        return orjson.loads(body), None
+        return loads(body), None
     except orjson.JSONDecodeError as error:
         strict_error = _not_json(error)
         return _with_non_finite_numbers(body, strict_error), strict_error

@@ -1,0 +1,182 @@
+"""Load without faults: small requests alone, beside huge ones, and more of everything than there is room for."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import http.client
+import time
+from collections import Counter
+
+from tests.load.client import Answer, connected
+from tests.load.drive import STUCK_SECONDS, Tally, busy, health, paced, problem_code
+from tests.load.report import Report, quantile
+from tests.load.scale import Scale
+from tests.load.server import serving
+from tests.load.traffic import endless, huge, small
+
+PAUSE_AFTER_REFUSAL = 0.2
+LET_IN_SECONDS = 1.0
+HEALTH_SECONDS = 0.05
+REFUSAL_SECONDS = 0.05
+LATE_SECONDS = 0.25
+RATIO = 3.0
+
+
+async def calm(scale: Scale, report: Report) -> None:
+    """Small requests alone."""
+    pieces = small()
+    async with serving(scale.folder, workers=scale.workers) as server:
+        await busy(server.port, pieces, 2, 1.0)
+        alone, rate = await busy(server.port, pieces, 1, scale.seconds)
+        report.figure("calm", "one client", f"{rate:.0f} a second")
+        report.times("calm", "one client, a request", alone.all_seconds)
+        _shares(alone, report)
+        before = server.processor_seconds()
+        many, rate = await busy(server.port, pieces, 2 * scale.workers, scale.seconds)
+        web, workers = (after - earlier for after, earlier in zip(server.processor_seconds(), before, strict=True))
+        count = len(many.all_seconds)
+        text = f"web process {1000 * web / count:.2f} ms, workers {1000 * workers / count:.2f} ms a request"
+        report.figure("calm", "processor time", f"{text}: {web / (web + workers):.1%} for HTTP and passing on")
+        report.figure("calm", f"{2 * scale.workers} clients", f"{rate:.0f} a second")
+        for kind, seconds in sorted(many.seconds.items()):
+            report.times("calm", f"{2 * scale.workers} clients, {kind}s", seconds)
+    _right("calm", report, alone, many)
+    report.promise("calm", "no process stays behind", not server.orphans())
+
+
+def _shares(tally: Tally, report: Report) -> None:
+    """Where the time of a request goes when nothing else is asked."""
+    whole = sum(seconds for seconds, _ in tally.timings)
+    spent: Counter[str] = Counter()
+    for _, timing in tally.timings:
+        spent.update(timing)
+    parts = {name: milliseconds / 1000 for name, milliseconds in spent.items()}
+    parts["HTTP, sockets, client"] = whole - sum(parts.values())
+    text = ", ".join(f"{name} {seconds / whole:.1%}" for name, seconds in parts.items())
+    report.figure("calm", "one client, where its time goes", text)
+    report.figure("calm", "share that is not solving", f"{1 - parts.get('solve', 0.0) / whole:.1%}")
+
+
+async def beside_huge(scale: Scale, report: Report) -> None:
+    """Small requests at a pace, before, while and after four huge domains are being solved."""
+    pieces = small()
+    body = await asyncio.to_thread(huge, scale.huge_edges)
+    settings = {"workers": scale.workers, "deadline_seconds": 300, "worker_memory_bytes": 4 << 30}
+    async with serving(scale.folder, **settings) as server:
+        await busy(server.port, pieces, 2, 1.0)
+        async with health(server.port) as healthy:
+            before = await paced(server.port, pieces, scale.rate, scale.seconds / 2)
+            asking = asyncio.Event()
+            asking.set()
+            answers: list[tuple[int, float]] = []
+            others = [asyncio.create_task(_again_and_again(server.port, body, asking, answers)) for _ in range(4)]
+            await asyncio.sleep(0.5)
+            beside = await paced(server.port, pieces, scale.rate, scale.seconds)
+            asking.clear()
+            during = list(healthy)
+            await asyncio.gather(*others)
+            after = await paced(server.port, pieces, scale.rate, scale.seconds / 2)
+    quiet = before.all_seconds + after.all_seconds
+    report.times("huge", "small requests, quiet", quiet)
+    report.times("huge", "small requests, beside", beside.all_seconds)
+    report.times("huge", f"huge ones, {scale.huge_edges} edges", [seconds for _, seconds in answers])
+    report.times("huge", "/healthz", during)
+    ratio = quantile(beside.all_seconds, 0.99) / quantile(quiet, 0.99)
+    _right("huge", report, before, beside, after)
+    report.promise("huge", "every huge domain is solved", bool(answers) and all(status == 200 for status, _ in answers))
+    report.promise("huge", f"small p99 {ratio:.2f} times the quiet one; under {RATIO:g}", ratio < RATIO * scale.slack)
+    late = quantile(during, 0.99)
+    text = f"/healthz in {1000 * late:.0f} ms (p99), {1000 * max(during):.0f} ms (longest); under {1000 * HEALTH_SECONDS:.0f}"
+    report.promise("huge", text, late < HEALTH_SECONDS * scale.slack)
+    report.promise("huge", "no process stays behind", not server.orphans())
+
+
+async def _again_and_again(port: int, body: bytes, asking: asyncio.Event, answers: list[tuple[int, float]]) -> None:
+    while asking.is_set():
+        answers.append(await asyncio.to_thread(_post_and_forget, port, body))
+
+
+def _post_and_forget(port: int, body: bytes) -> tuple[int, float]:
+    """Status and seconds of a request whose answer nobody here has the memory for; in a thread, away from who measures."""
+    begun = time.monotonic()
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=STUCK_SECONDS * 10)
+    try:
+        connection.request("POST", "/v1/mat", body, {"Content-Type": "application/json"})
+        response = connection.getresponse()
+        buffer = bytearray(1 << 20)
+        while response.readinto(buffer):
+            pass
+        return response.status, time.monotonic() - begun
+    finally:
+        connection.close()
+
+
+async def overload(scale: Scale, report: Report) -> None:
+    """Both small lane and its queue are full of long work: one more is refused at once, and served when there is room again."""
+    limit = 4
+    async with serving(scale.folder, workers=scale.workers, queue_limit=limit, deadline_seconds=60) as server:
+        crowd = [asyncio.create_task(_hold(server.port, endless(seed))) for seed in range(4 * (scale.workers + limit))]
+        refused: list[float] = []
+        codes: Counter[str] = Counter()
+        async with connected(server.port) as connection:
+            for seed in range(scale.events // 5):
+                with contextlib.suppress(TimeoutError):  # there was room for it: it is taken back
+                    async with asyncio.timeout(LET_IN_SECONDS):
+                        answer = await connection.request("POST", "/v1/mat", endless(seed))
+                        codes[problem_code(answer)] += 1
+                        refused.append(answer.seconds)
+                await asyncio.sleep(0.01)
+        for task in crowd:
+            task.cancel()
+        await asyncio.gather(*crowd, return_exceptions=True)
+        tally = await paced(server.port, small(), scale.rate, 1.0)
+    report.times("overload", "a refusal", refused)
+    report.promise("overload", f"refused as queue-full: {dict(codes)}", set(codes) == {"queue-full"})
+    late = quantile(refused, 0.99)
+    text = f"refused in {1000 * late:.0f} ms (p99); under {1000 * REFUSAL_SECONDS:.0f}"
+    report.promise("overload", text, late < REFUSAL_SECONDS * scale.slack)
+    _right("overload", report, tally)
+    report.promise("overload", "no process stays behind", not server.orphans())
+
+
+async def _hold(port: int, body: bytes) -> None:
+    """Keep a place in the queue: ask until let in."""
+    async with connected(port) as connection:
+        while True:
+            await connection.request("POST", "/v1/mat", body)
+            await asyncio.sleep(PAUSE_AFTER_REFUSAL)
+
+
+async def deadlines(scale: Scale, report: Report) -> None:
+    """Work that takes longer than it may, more of it at a time than there are workers."""
+    limit = 1.6
+
+    async def one(seed: int) -> Answer:
+        async with connected(server.port) as connection:
+            return await connection.request("POST", "/v1/mat", endless(seed))
+
+    async with serving(scale.folder, workers=scale.workers, deadline_seconds=limit) as server:
+        answers: list[Answer] = []
+        for turn in range(max(1, scale.events // 100)):
+            seeds = range(4 * turn * scale.workers, 4 * (turn + 1) * scale.workers)
+            answers += await asyncio.gather(*(one(seed) for seed in seeds))
+            await asyncio.sleep(0.3)
+        tally = await paced(server.port, small(), scale.rate, 1.0)
+    codes = Counter(problem_code(answer) for answer in answers)
+    late = [answer.seconds - limit for answer in answers]
+    report.times("deadlines", f"after a deadline of {limit:g} s", late)
+    report.promise("deadlines", f"ended as deadline-exceeded: {dict(codes)}", set(codes) == {"deadline-exceeded"})
+    text = f"ended {1000 * max(late):.0f} ms after the deadline at the latest; under {1000 * LATE_SECONDS:.0f}"
+    report.promise("deadlines", text, min(late) > -0.01 and max(late) < LATE_SECONDS * scale.slack)
+    _right("deadlines", report, tally)
+    report.promise("deadlines", "no process stays behind", not server.orphans())
+
+
+def _right(part: str, report: Report, *tallies: Tally) -> None:
+    """Promise that nothing was wrong or stuck."""
+    wrong = [fault for tally in tallies for fault in tally.wrong]
+    right = sum(len(tally.all_seconds) for tally in tallies)
+    report.promise(part, f"{right} right answers, {len(wrong)} wrong {wrong[:3] or ''}", right > 0 and not wrong)
+    stuck = sum(tally.stuck for tally in tallies)
+    report.promise(part, f"{stuck} stuck requests", not stuck)
