@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import ParamSpec, TypeVar
 
 from sqlalchemy import exc
@@ -42,16 +43,11 @@ class Calls:
         StoreUnavailable
             The database or the file system refused, or did not answer in time.
         """
-        future = asyncio.get_running_loop().run_in_executor(self._threads, lambda: function(*args, **kwargs))
-        try:
-            value = await asyncio.wait_for(future, ANSWER_SECONDS)
-        except exc.IntegrityError:
-            raise  # an answer, too
-        except (exc.OperationalError, exc.InterfaceError, exc.InternalError, exc.TimeoutError, TimeoutError, OSError) as error:
-            self._note(False, error)
-            raise StoreUnavailable(str(error)) from error
-        self._note(True)
-        return value
+        return await self._call(ANSWER_SECONDS, partial(function, *args, **kwargs))
+
+    async def ask_much(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Like `ask`, for a call that changes many rows or files and takes its time."""
+        return await self._call(None, partial(function, *args, **kwargs))
 
     async def file(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The value of a call that reads or writes files, however long they are. StoreUnavailable where that fails."""
@@ -67,6 +63,18 @@ class Calls:
                 return await self.ask(function, *args, **kwargs)
             except StoreUnavailable:
                 await asyncio.sleep(RETRY_SECONDS)
+
+    async def _call(self, seconds: float | None, function: Callable[[], T]) -> T:
+        future = asyncio.get_running_loop().run_in_executor(self._threads, function)
+        try:
+            value = await asyncio.wait_for(future, seconds)
+        except exc.IntegrityError:
+            raise  # an answer, too
+        except (exc.OperationalError, exc.InterfaceError, exc.InternalError, exc.TimeoutError, TimeoutError, OSError) as error:
+            self._note(False, error)
+            raise StoreUnavailable(str(error)) from error
+        self._note(True)
+        return value
 
     def close(self) -> None:
         """End the threads that are idle; one that hangs is not waited for."""

@@ -32,7 +32,7 @@ WORKFLOW = "work"
 VERSION = "1"
 """Of what a workflow means. Left alone by releases, so that a new one goes on with the jobs of the last."""
 
-POLL_SECONDS = {"all": 0.25, "worker": 0.05}
+POLL_SECONDS = {"all": 0.5, "worker": 0.05}
 """By role. A poll costs 2 to 5 ms. Jobs made in this process are started at once (`wake`), so it may look rarely; one that
 works for others looks often."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
@@ -42,7 +43,15 @@ async def batch(
         raise RequestError("body-too-large", f"The limit of a batch is {limit} bytes.", headers={"Connection": "close"})
     with refusals():
         try:
-            job = await jobs_of(request).submit_batch(operation, request.stream(), key, owner_of(request))
+            job = await jobs_of(request).submit_batch(operation, _counted(request), key, owner_of(request))
         except BatchRefused as error:
             raise RequestError(error.code, error.detail, {"line": error.line}, {"Connection": "close"}) from None
     return created(request, job, Preferences())
+
+
+async def _counted(request: Request) -> AsyncIterator[bytes]:
+    """The body as it comes, its bytes counted for the log."""
+    request.state.bytes_in = 0
+    async for piece in request.stream():
+        request.state.bytes_in += len(piece)
+        yield piece

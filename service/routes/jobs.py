@@ -13,6 +13,7 @@ from urllib.parse import urlencode
 import orjson
 from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
+from starlette.requests import ClientDisconnect
 
 from service.errors import RequestError
 from service.jobs.port import Job, Jobs, KeyInFlight, KeyReused, StoreUnavailable
@@ -110,10 +111,11 @@ async def answer(request: Request, job: Job) -> Response:
         if job.state == "failed":
             raise RequestError(**await jobs_of(request).failure(job))
         found = await jobs_of(request).results(job)
-        for file in found.files:
-            if not await asyncio.to_thread(file.is_file):
-                raise RequestError("not-found", "The results were removed.")
-    headers = {"ETag": f'"{found.digest}"'}
+    try:
+        size = await asyncio.to_thread(lambda: sum(file.stat().st_size for file in found.files))
+    except OSError:
+        raise RequestError("store-unavailable", "The files of the results cannot be read now.") from None
+    headers = {"ETag": f'"{found.digest}"', "Content-Length": str(size)}
     media_type = LINES if job.batch else FORMATS[job.format]  # type: ignore[index]  # one of them when it was stored
     return StreamingResponse(_pieces(found.files), 200, headers, media_type)
 
@@ -178,6 +180,8 @@ async def _wait(request: Request, job: Job, seconds: float) -> Job:
     end = asyncio.get_running_loop().time() + seconds
     while not job.over and (left := end - asyncio.get_running_loop().time()) > 0:
         await asyncio.sleep(min(pause, left))
+        if await request.is_disconnected():
+            raise ClientDisconnect
         pause = min(1.5 * pause, longest)
         with contextlib.suppress(StoreUnavailable):
             job = await jobs_of(request).get(job.id, owner_of(request)) or job
