@@ -28,6 +28,11 @@ RETRY_SECONDS = 0.5
 _log = logging.getLogger("service.jobs")
 
 
+def first_line(error: BaseException | None) -> str:
+    """What is wrong, without the advice that libraries add."""
+    return str(error).partition("\n")[0]
+
+
 class Calls:
     """The threads, and whether the last call reached the store."""
 
@@ -54,7 +59,7 @@ class Calls:
         try:
             return await asyncio.to_thread(function, *args, **kwargs)
         except OSError as error:
-            raise StoreUnavailable(str(error)) from error
+            raise StoreUnavailable(first_line(error)) from error
 
     async def insist(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The value of a call that is made until it reaches the store."""
@@ -72,7 +77,7 @@ class Calls:
             raise  # an answer, too
         except (exc.OperationalError, exc.InterfaceError, exc.InternalError, exc.TimeoutError, TimeoutError, OSError) as error:
             self._note(False, error)
-            raise StoreUnavailable(str(error)) from error
+            raise StoreUnavailable(first_line(error)) from error
         self._note(True)
         return value
 
@@ -86,4 +91,4 @@ class Calls:
             if up:
                 _log.info("the job store answers")
             else:
-                _log.error("the job store does not answer: %s", error)
+                _log.error("the job store does not answer: %s", first_line(error))

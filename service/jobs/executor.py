@@ -245,7 +245,17 @@ class _Ours(logging.Handler):
         place, now = (record.pathname, record.lineno), time.monotonic()
         if now - self._last.get(place, -QUIET_SECONDS) >= QUIET_SECONDS:
             self._last[place] = now
-            logging.getLogger("service.jobs.dbos").log(record.levelno, "%s", record.getMessage())
+            logging.getLogger("service.jobs.dbos").log(record.levelno, "%s", _told(record))
+
+
+def _told(record: logging.LogRecord) -> str:
+    """A line of DBOS's log without the traces of where an error came by; its errors are those of the database."""
+    text = record.getMessage() + (f"\n{record.exc_info[1]}" if record.exc_info else "")
+    lines = [line for line in text.splitlines() if line and not line.startswith(_TRACE)]
+    return " ".join(dict.fromkeys(lines))
+
+
+_TRACE = (" ", "\t", "Traceback", "(Background", "The above exception")
 
 
 def _log_to_ours() -> None:

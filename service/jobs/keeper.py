@@ -16,7 +16,7 @@ from collections.abc import AsyncIterator
 from typing import TYPE_CHECKING, Any
 
 from service.jobs.blobs import Blobs
-from service.jobs.calls import Calls
+from service.jobs.calls import Calls, first_line
 from service.jobs.engine import engine_for
 from service.jobs.leases import LEASE_SECONDS, RENEW_SECONDS, Reaper, Slot
 from service.jobs.port import StoreUnavailable
@@ -126,7 +126,7 @@ class Keeper:
             try:
                 await asyncio.to_thread(self._open, asyncio.get_running_loop())
             except Exception as error:
-                _log.error("the job store cannot be opened: %s", error)
+                _log.error("the job store cannot be opened: %s", first_line(error))
                 await asyncio.sleep(OPEN_SECONDS)
         sweeps = beats = 0
         pause = min(SWEEP_SECONDS, max(RENEW_SECONDS, self._settings.job_retention_seconds / 2))
@@ -200,7 +200,7 @@ class Keeper:
             if self._slot is not None and self._store is not None:
                 self._store.release(self._slot.name)
         except Exception as error:
-            _log.error("jobs could not be handed back; they go on at the next start: %s", error)
+            _log.error("jobs could not be handed back; they go on at the next start: %s", first_line(error))
         finally:
             if self._slot is not None:
                 self._slot.release()
