@@ -34,6 +34,7 @@ def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
         pool: Pool = request.app.state.pool
         form = choose_format(f, request.headers.get("accept", "*/*"), operation.formats)
         check_content(request.headers)
+        jobs.idempotency_key(request)  # one that is none is refused of every request, whether it is needed or not
         wishes = read_preferences(request.headers.getlist("prefer"))
         if not wishes.respond_async and pool.refuses(announced_bytes(request)):
             raise queue_full()  # before its body takes memory here
