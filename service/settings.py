@@ -118,8 +118,8 @@ class Settings:
     Attributes
     ----------
     workers : int
-        Domains solved at a time, so the number of cores to use. While jobs or long requests use all of them, one more process works
-        for the requests that go before (`service.workers.lanes`), and one more is kept warm.
+        Domains solved at a time, so the number of cores to use. While jobs or long requests use all of them, one more process
+        works for the requests that go before (`service.workers.lanes`), and one more is kept warm.
     max_body_bytes : int
         Largest request body, counted as it arrives and, if it is compressed, again as it expands; a larger one is answered 413.
     max_edges, max_control_points : int

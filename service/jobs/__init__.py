@@ -1,3 +1,9 @@
-"""Jobs that outlive the process: `port` (what the routes see), `dbos_jobs` (what stands behind it), `store` (rows),
-`blobs` (files by content), `executor` (DBOS, which hands jobs to the pool), `leases` (who is alive), `batches` (lines).
+"""Jobs that outlive the process.
+
+::
+
+    routes ──> port ──> dbos_jobs ──> keeper ──> store, tables, engine   rows
+                            │            ├─────> executor ──> work       DBOS gives out chunks; the pool works on them
+                            │            └─────> leases                  who is alive
+                            └──> batches ──────> blobs                   lines in, files by content
 """

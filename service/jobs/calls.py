@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import ParamSpec, TypeVar
 
 from sqlalchemy import exc
@@ -27,6 +28,11 @@ RETRY_SECONDS = 0.5
 _log = logging.getLogger("service.jobs")
 
 
+def first_line(error: BaseException | None) -> str:
+    """What is wrong, without the advice that libraries add."""
+    return str(error).partition("\n")[0]
+
+
 class Calls:
     """The threads, and whether the last call reached the store."""
 
@@ -42,23 +48,18 @@ class Calls:
         StoreUnavailable
             The database or the file system refused, or did not answer in time.
         """
-        future = asyncio.get_running_loop().run_in_executor(self._threads, lambda: function(*args, **kwargs))
-        try:
-            value = await asyncio.wait_for(future, ANSWER_SECONDS)
-        except exc.IntegrityError:
-            raise  # an answer, too
-        except (exc.OperationalError, exc.InterfaceError, exc.InternalError, exc.TimeoutError, TimeoutError, OSError) as error:
-            self._note(False, error)
-            raise StoreUnavailable(str(error)) from error
-        self._note(True)
-        return value
+        return await self._call(ANSWER_SECONDS, partial(function, *args, **kwargs))
+
+    async def ask_much(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Like `ask`, for a call that changes many rows or files and takes its time."""
+        return await self._call(None, partial(function, *args, **kwargs))
 
     async def file(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The value of a call that reads or writes files, however long they are. StoreUnavailable where that fails."""
         try:
             return await asyncio.to_thread(function, *args, **kwargs)
         except OSError as error:
-            raise StoreUnavailable(str(error)) from error
+            raise StoreUnavailable(first_line(error)) from error
 
     async def insist(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The value of a call that is made until it reaches the store."""
@@ -67,6 +68,18 @@ class Calls:
                 return await self.ask(function, *args, **kwargs)
             except StoreUnavailable:
                 await asyncio.sleep(RETRY_SECONDS)
+
+    async def _call(self, seconds: float | None, function: Callable[[], T]) -> T:
+        future = asyncio.get_running_loop().run_in_executor(self._threads, function)
+        try:
+            value = await asyncio.wait_for(future, seconds)
+        except exc.IntegrityError:
+            raise  # an answer, too
+        except (exc.OperationalError, exc.InterfaceError, exc.InternalError, exc.TimeoutError, TimeoutError, OSError) as error:
+            self._note(False, error)
+            raise StoreUnavailable(first_line(error)) from error
+        self._note(True)
+        return value
 
     def close(self) -> None:
         """End the threads that are idle; one that hangs is not waited for."""
@@ -78,4 +91,4 @@ class Calls:
             if up:
                 _log.info("the job store answers")
             else:
-                _log.error("the job store does not answer: %s", error)
+                _log.error("the job store does not answer: %s", first_line(error))

@@ -89,8 +89,9 @@ class DbosJobs:
     async def failure(self, job: Job) -> dict[str, Any]:
         """See `service.jobs.port.Jobs`."""
         digest = await self._calls.ask(self._keeper.open_store().failure, job.id)
-        if digest is None:
-            return {"code": "store-unavailable", "detail": job.message}
+        if digest is None:  # it could not be stored, or the job was given up
+            code, _, detail = job.message.partition(": ")
+            return {"code": code, "detail": detail}
         failure: dict[str, Any] = json.loads(await self._calls.file(self._blobs.read, digest))
         return failure
 
@@ -149,7 +150,7 @@ class DbosJobs:
     async def _insert(self, new: NewJob) -> Job:
         """Write the rows of a job and have the work begin. Another process may have stored the same key meanwhile."""
         try:
-            job = await self._calls.ask(self._keeper.open_store().insert, new, self._keeper.enqueue)
+            job = await self._calls.ask_much(self._keeper.open_store().insert, new, self._keeper.enqueue)
         except IntegrityError:
             known = await self._known(new.owner, new.key, new.fingerprint)
             if known is None:

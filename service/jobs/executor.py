@@ -32,7 +32,7 @@ WORKFLOW = "work"
 VERSION = "1"
 """Of what a workflow means. Left alone by releases, so that a new one goes on with the jobs of the last."""
 
-POLL_SECONDS = {"all": 0.25, "worker": 0.05}
+POLL_SECONDS = {"all": 0.5, "worker": 0.05}
 """By role. A poll costs 2 to 5 ms. Jobs made in this process are started at once (`wake`), so it may look rarely; one that
 works for others looks often."""
 
@@ -245,7 +245,17 @@ class _Ours(logging.Handler):
         place, now = (record.pathname, record.lineno), time.monotonic()
         if now - self._last.get(place, -QUIET_SECONDS) >= QUIET_SECONDS:
             self._last[place] = now
-            logging.getLogger("service.jobs.dbos").log(record.levelno, "%s", record.getMessage())
+            logging.getLogger("service.jobs.dbos").log(record.levelno, "%s", _told(record))
+
+
+def _told(record: logging.LogRecord) -> str:
+    """A line of DBOS's log without the traces of where an error came by; its errors are those of the database."""
+    text = record.getMessage() + (f"\n{record.exc_info[1]}" if record.exc_info else "")
+    lines = [line for line in text.splitlines() if line and not line.startswith(_TRACE)]
+    return " ".join(dict.fromkeys(lines))
+
+
+_TRACE = (" ", "\t", "Traceback", "(Background", "The above exception")
 
 
 def _log_to_ours() -> None:

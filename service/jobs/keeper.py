@@ -16,10 +16,11 @@ from collections.abc import AsyncIterator
 from typing import TYPE_CHECKING, Any
 
 from service.jobs.blobs import Blobs
-from service.jobs.calls import Calls
+from service.jobs.calls import Calls, first_line
+from service.jobs.engine import engine_for
 from service.jobs.leases import LEASE_SECONDS, RENEW_SECONDS, Reaper, Slot
 from service.jobs.port import StoreUnavailable
-from service.jobs.store import Store, engine_for
+from service.jobs.store import SLICE, Store
 from service.jobs.work import Work
 from service.settings import Settings
 from service.workers.pool import Pool
@@ -99,11 +100,11 @@ class Keeper:
         """Stop the work on a job, here at once, elsewhere within moments, and take what waits out of the queue."""
         if self._executor is not None:
             self._executor.cancel(job_id)
-        await self.calls.ask(self._cancel_workflows, job_id)
+        await self.calls.ask_much(self._cancel_workflows, job_id)
 
     async def remove(self, job_id: str) -> None:
         """Remove a job that is over, its workflows, and its files unless another job has the same."""
-        await self.calls.ask(self._remove, job_id)
+        await self.calls.ask_much(self._remove, job_id)
 
     @contextlib.asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
@@ -125,17 +126,21 @@ class Keeper:
             try:
                 await asyncio.to_thread(self._open, asyncio.get_running_loop())
             except Exception as error:
-                _log.error("the job store cannot be opened: %s", error)
+                _log.error("the job store cannot be opened: %s", first_line(error))
                 await asyncio.sleep(OPEN_SECONDS)
         sweeps = beats = 0
         pause = min(SWEEP_SECONDS, max(RENEW_SECONDS, self._settings.job_retention_seconds / 2))
         while True:
-            with contextlib.suppress(StoreUnavailable):
+            try:
                 await self.calls.ask(self._beat)
                 if beats * RENEW_SECONDS >= pause:
                     beats = 0
                     await self._sweep(strays=sweeps % STRAY_SWEEPS == 0)
                     sweeps += 1
+            except StoreUnavailable:
+                pass  # said once, by the calls
+            except Exception:  # without its lease this executor would be taken for dead
+                _log.exception("keeping the job store failed where it must not")
             beats += 1
             await asyncio.sleep(RENEW_SECONDS)
 
@@ -195,7 +200,7 @@ class Keeper:
             if self._slot is not None and self._store is not None:
                 self._store.release(self._slot.name)
         except Exception as error:
-            _log.error("jobs could not be handed back; they go on at the next start: %s", error)
+            _log.error("jobs could not be handed back; they go on at the next start: %s", first_line(error))
         finally:
             if self._slot is not None:
                 self._slot.release()
@@ -214,9 +219,13 @@ class Keeper:
             await asyncio.sleep(WATCH_SECONDS)
             if self._executor is None or self._store is None or not (here := self._executor.jobs()):
                 continue
-            with contextlib.suppress(StoreUnavailable):
+            try:
                 for job_id in await self.calls.ask(self._store.over, here):
                     self._executor.cancel(job_id)
+            except StoreUnavailable:
+                pass  # said once, by the calls
+            except Exception:
+                _log.exception("looking for dismissed jobs failed where it must not")
 
     async def _sweep(self, strays: bool) -> None:
         """Remove what was kept long enough; end what DBOS has given up; look for files that nobody names."""
@@ -228,7 +237,7 @@ class Keeper:
             if await self.calls.ask(self._given_up, job.id):
                 await self.calls.ask(store.finish, job.id, "failed", "internal-error: begun too often, never ended.")
         if strays:
-            await self.calls.file(self.blobs.sweep, store.referenced)
+            await self.calls.ask_much(self.blobs.sweep, store.referenced)
 
     def _workflows(self, job_id: str, **more: Any) -> list[Any]:
         assert self._client is not None, "there is a store"
@@ -239,16 +248,17 @@ class Keeper:
         return bool(self._workflows(job_id, status=["ERROR", "CANCELLED", "MAX_RECOVERY_ATTEMPTS_EXCEEDED"]))
 
     def _cancel_workflows(self, job_id: str) -> None:
-        waiting = self._workflows(job_id, status=["ENQUEUED", "PENDING"])
+        waiting = [status.workflow_id for status in self._workflows(job_id, status=["ENQUEUED", "PENDING"])]
         if waiting and self._client is not None:
-            self._client.cancel_workflows([status.workflow_id for status in waiting])
+            self._client.cancel_workflows(waiting)  # no more than are enqueued ahead
 
     def _remove(self, job_id: str) -> None:
         store = self.open_store()
         digests = store.delete(job_id)
-        workflows = self._workflows(job_id)
-        if workflows and self._client is not None:
-            self._client.delete_workflows([status.workflow_id for status in workflows])
+        workflows = [status.workflow_id for status in self._workflows(job_id)]
+        for k in range(0, len(workflows), SLICE):
+            assert self._client is not None, "there is a store"
+            self._client.delete_workflows(workflows[k : k + SLICE])
         self.blobs.remove(digests, store.referenced)
 
 

@@ -15,15 +15,10 @@ from datetime import UTC, datetime
 from typing import Any
 
 import sqlalchemy as sa
-from sqlalchemy import event
 
-from service.jobs.port import UNFINISHED, Job, State
+from service.jobs.port import UNFINISHED, Job, State, StoreUnavailable
 from service.jobs.tables import CHUNKS, JOBS, LEASES, METADATA
 from service.orders import Order
-
-CONNECT_SECONDS = 2
-STATEMENT_SECONDS = 10
-"""No question of this module takes long; a longer wait means that the database is in trouble."""
 
 SLICE = 500
 """Values in one IN list."""
@@ -60,29 +55,6 @@ class NewJob:
     chunks: Sequence[Chunk]
 
 
-def engine_for(url: str) -> sa.Engine:
-    """An engine whose calls fail soon rather than hang when the database is gone."""
-    parsed = sa.make_url(url)
-    if parsed.get_backend_name() == "sqlite":
-        engine = sa.create_engine(parsed, connect_args={"timeout": STATEMENT_SECONDS})
-        event.listen(engine, "connect", _set_up_sqlite)
-        return engine
-    options = f"-c statement_timeout={1000 * STATEMENT_SECONDS} -c lock_timeout={1000 * STATEMENT_SECONDS}"
-    return sa.create_engine(
-        parsed.set(drivername="postgresql+psycopg"),
-        pool_pre_ping=True,
-        pool_timeout=CONNECT_SECONDS,
-        connect_args={"connect_timeout": CONNECT_SECONDS, "options": options, "tcp_user_timeout": 5000},
-    )
-
-
-def _set_up_sqlite(connection: Any, _record: Any) -> None:
-    """Readers beside one writer, commits that are on disk, and a write lock from the start of a transaction that writes."""
-    connection.isolation_level = "IMMEDIATE"
-    for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON"):
-        connection.execute(f"PRAGMA {pragma}")
-
-
 class Store:
     """The rows behind `engine`."""
 
@@ -96,6 +68,10 @@ class Store:
             if not self._sqlite:
                 c.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
             METADATA.create_all(c)
+            there = {table: {column["name"] for column in sa.inspect(c).get_columns(table)} for table in METADATA.tables}
+        for name, table in METADATA.tables.items():
+            if missing := {column.name for column in table.columns} - there[name]:
+                raise StoreUnavailable(f"table {name} was made by another version of the service: it has no {missing}")
 
     def now(self) -> sa.ColumnElement[float]:
         """The time by the clock that all executors share."""
@@ -214,16 +190,13 @@ class Store:
 
     def chunks(self, job_id: str) -> list[Chunk]:
         """The chunks of a job, in order."""
-        columns = (CHUNKS.c.number, CHUNKS.c.first, CHUNKS.c.domains, CHUNKS.c.body, CHUNKS.c.result)
-        query = sa.select(*columns).where(CHUNKS.c.job == job_id).order_by(CHUNKS.c.number)
         with self.engine.connect() as c:
-            return [Chunk(*row) for row in c.execute(query)]
+            return [Chunk(*row) for row in c.execute(_CHUNK.where(CHUNKS.c.job == job_id).order_by(CHUNKS.c.number))]
 
     def chunk(self, job_id: str, number: int) -> Chunk:
         """One chunk."""
-        columns = (CHUNKS.c.number, CHUNKS.c.first, CHUNKS.c.domains, CHUNKS.c.body, CHUNKS.c.result)
         with self.engine.connect() as c:
-            return Chunk(*c.execute(sa.select(*columns).where(CHUNKS.c.job == job_id, CHUNKS.c.number == number)).one())
+            return Chunk(*c.execute(_CHUNK.where(CHUNKS.c.job == job_id, CHUNKS.c.number == number)).one())
 
     def finish_chunk(self, job_id: str, number: int, result: str, failed: int, enqueue: Enqueue) -> None:
         """Note a chunk's result, and enqueue the chunk that is next in its row; the first result stays."""
@@ -284,6 +257,8 @@ class Store:
         with self.engine.begin() as c:
             c.execute(sa.delete(LEASES).where(LEASES.c.executor == executor))
 
+
+_CHUNK = sa.select(CHUNKS.c.number, CHUNKS.c.first, CHUNKS.c.domains, CHUNKS.c.body, CHUNKS.c.result)
 
 _LOCK = 0x6D61745F
 """Any number, the same on all machines: the lock under which tables are made ("mat_")."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
@@ -43,10 +44,18 @@ async def batch(
     if announced_bytes(request) > limit:
         raise RequestError("body-too-large", f"The limit of a batch is {limit} bytes.", headers={"Connection": "close"})
     order = Order(operation, "json", {} if precision is None else {"precision": precision})
-    lines = expanded(request.stream(), limit) if compressed else request.stream()
+    lines = expanded(_counted(request), limit) if compressed else _counted(request)
     with refusals():
         try:
             job = await jobs_of(request).submit_batch(order, lines, key, owner_of(request))
         except BatchRefused as error:
             raise RequestError(error.code, error.detail, {"line": error.line}, {"Connection": "close"}) from None
     return created(request, job, Preferences())
+
+
+async def _counted(request: Request) -> AsyncIterator[bytes]:
+    """The body as it comes, its bytes counted for the log."""
+    request.state.bytes_in = 0
+    async for piece in request.stream():
+        request.state.bytes_in += len(piece)
+        yield piece

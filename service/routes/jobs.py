@@ -13,6 +13,7 @@ from urllib.parse import urlencode
 import orjson
 from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
+from starlette.requests import ClientDisconnect
 
 from service import caching, compression
 from service.errors import OGC, RequestError
@@ -113,10 +114,10 @@ async def answer(request: Request, job: Job) -> Response:
         if job.state == "failed":
             raise RequestError(**await jobs_of(request).failure(job))
         found = await jobs_of(request).results(job)
-        try:
-            size = sum([(await asyncio.to_thread(file.stat)).st_size for file in found.files])
-        except FileNotFoundError:
-            raise RequestError("not-found", "The results were removed.") from None
+    try:
+        size = await asyncio.to_thread(lambda: sum(file.stat().st_size for file in found.files))
+    except OSError:
+        raise RequestError("store-unavailable", "The files of the results cannot be read now.") from None
     tag = caching.tag(found.digest)
     headers = {"ETag": tag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if request.method == "GET" and caching.unchanged(request.method, request.headers, tag):
@@ -192,6 +193,8 @@ async def _wait(request: Request, job: Job, seconds: float) -> Job:
     end = asyncio.get_running_loop().time() + seconds
     while not job.over and (left := end - asyncio.get_running_loop().time()) > 0:
         await asyncio.sleep(min(pause, left))
+        if await request.is_disconnected():
+            raise ClientDisconnect
         pause = min(1.5 * pause, longest)
         with contextlib.suppress(StoreUnavailable):
             job = await jobs_of(request).get(job.id, owner_of(request)) or job

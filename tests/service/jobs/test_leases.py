@@ -10,8 +10,9 @@ import sqlalchemy as sa
 from sqlalchemy.exc import OperationalError
 
 from service.jobs import leases
+from service.jobs.engine import engine_for
 from service.jobs.leases import LEASE_SECONDS, RENEW_SECONDS, Reaper, Slot
-from service.jobs.store import Store, engine_for
+from service.jobs.store import Store
 from service.jobs.tables import LEASES
 
 

@@ -16,6 +16,7 @@ from service.jobs.blobs import Blobs
 from service.jobs.store import CHUNKS_AHEAD
 from service.settings import Settings
 from tests.service.jobs.test_routes import HANDLER, post, send, until
+from tests.service.processes import eventually
 from tests.service.test_app import problem, wait_until_ready
 
 
@@ -33,8 +34,7 @@ def no_space(*_: object) -> str:
 
 def test_what_cannot_be_stored_is_refused(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr(Blobs, "put", no_space)
-        patch.setattr(Blobs, "adopt", no_space)
+        patch.setattr(Blobs, "_place", no_space)
         problem(post(client, {}), "store-unavailable")
         problem(send(client, b"{}\n"), "store-unavailable")
     assert client.get("/v1/jobs").json()["jobs"] == []
@@ -42,18 +42,20 @@ def test_what_cannot_be_stored_is_refused(client: TestClient, monkeypatch: pytes
 
 
 def test_a_result_that_cannot_be_stored_is_tried_again(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    job = post(client, {"name": "patient", "seconds": 0.5}).json()["jobID"]
+    tried: list[object] = []
     with monkeypatch.context() as patch:
-        patch.setattr(Blobs, "adopt", no_space)
-        job = post(client, {"name": "patient"}).json()["jobID"]
-        until(client, job, "running")
+        patch.setattr(Blobs, "_place", lambda *given: tried.append(given) or no_space())
+        eventually(lambda: bool(tried))
+    assert client.get(f"/v1/jobs/{job}").json()["status"] == "running"
     until(client, job, "successful")
-    assert client.get(f"/v1/jobs/{job}/results").json() == {"did": {"name": "patient"}}
+    assert client.get(f"/v1/jobs/{job}/results").json() == {"did": {"name": "patient", "seconds": 0.5}}
 
 
 def test_a_result_that_still_cannot_be_stored_fails_its_job(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(work, "STORING_SECONDS", 0.0)
-    monkeypatch.setattr(Blobs, "adopt", no_space)
-    job = post(client, {}).json()["jobID"]
+    job = post(client, {"seconds": 0.5}).json()["jobID"]
+    monkeypatch.setattr(Blobs, "_place", no_space)
     until(client, job, "failed")
     problem(client.get(f"/v1/jobs/{job}/results"), "store-unavailable")
 

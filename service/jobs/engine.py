@@ -1,0 +1,35 @@
+"""Connections to the database of jobs: a SQLite file, or PostgreSQL."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy import event
+
+CONNECT_SECONDS = 2
+STATEMENT_SECONDS = 10
+"""No question of this module takes long; a longer wait means that the database is in trouble."""
+
+
+def engine_for(url: str) -> sa.Engine:
+    """An engine whose calls fail soon rather than hang when the database is gone."""
+    parsed = sa.make_url(url)
+    if parsed.get_backend_name() == "sqlite":
+        engine = sa.create_engine(parsed, connect_args={"timeout": STATEMENT_SECONDS})
+        event.listen(engine, "connect", _set_up_sqlite)
+        return engine
+    options = f"-c statement_timeout={1000 * STATEMENT_SECONDS} -c lock_timeout={1000 * STATEMENT_SECONDS}"
+    return sa.create_engine(
+        parsed.set(drivername="postgresql+psycopg"),
+        pool_pre_ping=True,
+        pool_timeout=CONNECT_SECONDS,
+        connect_args={"connect_timeout": CONNECT_SECONDS, "options": options, "tcp_user_timeout": 5000},
+    )
+
+
+def _set_up_sqlite(connection: Any, _record: Any) -> None:
+    """Readers beside one writer, commits that are on disk, and a write lock from the start of a transaction that writes."""
+    connection.isolation_level = "IMMEDIATE"
+    for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON"):
+        connection.execute(f"PRAGMA {pragma}")
