@@ -11,9 +11,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 COMMON = ["--universal", "--python-version", "3.11", "--generate-hashes", "--no-annotate", "--no-header"]
+RUN = ["--extra", "service", "--extra", "telemetry"]
 PARTS = {
-    "requirements.lock": ["--extra", "service"],
-    "requirements-dev.lock": ["--extra", "service", "--group", "dev", "--constraint", "requirements.lock"],
+    "requirements.lock": RUN,
+    "requirements-dev.lock": [*RUN, "--group", "dev", "--constraint", "requirements.lock"],
 }
 
 

@@ -88,11 +88,9 @@ def read_port(text: str) -> int | None:
 
 def start(port: int) -> subprocess.Popen[bytes]:
     """The service, in its own session so that it is told to end by us and by nobody else."""
-    serve = [sys.executable, "-m", "uvicorn", "--factory", "service.app:create_app"]
-    where = ["--host", HOST, "--port", str(port)]
-    quiet = ["--log-level", "warning", "--no-access-log"]
+    serve = [sys.executable, "-m", "service.cli", "serve", "--host", HOST, "--port", str(port)]
     environment = {"MAT_LOG_LEVEL": "warning", **os.environ}
-    return subprocess.Popen([*serve, *where, *quiet], cwd=ROOT, env=environment, start_new_session=True)
+    return subprocess.Popen(serve, cwd=ROOT, env=environment, start_new_session=True)
 
 
 def stop(server: subprocess.Popen[bytes]) -> None:

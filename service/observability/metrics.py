@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Iterator, Mapping
-from typing import Protocol
+from typing import Protocol, get_args
 
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, ProcessCollector
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 
 from service import __version__
+from service.jobs.port import State
 from service.observability.processes import resident_bytes
 from service.settings import KIB, MIB
 
@@ -125,9 +126,9 @@ class Metrics:
             self._solve.labels(size_class(body_bytes)).observe(solve_seconds)
 
     def set_jobs(self, counts: Mapping[str, int]) -> None:
-        """Note how many jobs there are in each state."""
-        for state, count in counts.items():
-            self._jobs.labels(state).set(count)
+        """Note how many jobs there are in each state; one that is not named has none."""
+        for state in get_args(State):
+            self._jobs.labels(state).set(counts.get(state, 0))
 
 
 def size_class(body_bytes: int) -> str:

@@ -279,7 +279,7 @@ def test_the_limits_leave_room_for_the_workers_and_the_end_for_the_draining() ->
     assert int(limits["memory"].removesuffix("m")) * MIB >= settings.workers * each + 1024 * MIB
     assert float(limits["cpus"]) > settings.workers
     longest = settings.shutdown_notice_seconds + settings.shutdown_drain_seconds
-    assert float(service["stop_grace_period"].removesuffix("s")) >= longest + 5
+    assert float(service["stop_grace_period"].removesuffix("s")) >= longest + 15
 
 
 def test_variables_reach_the_services() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -92,6 +94,28 @@ def test_states_are_read_when_they_are_asked_for(client: TestClient) -> None:
         assert found["mat_processes"][labels(role="worker")] == idle
         for role in ("web", "nursery", "worker"):
             assert found["mat_resident_memory_bytes"][labels(role=role)] > 1e6
+
+
+def test_jobs_are_counted_by_state_and_a_store_that_hangs_holds_up_nothing(client: TestClient) -> None:
+    def jobs() -> dict[str, float]:
+        return {dict(key)["state"]: value for key, value in figures(client)["mat_jobs"].items()}
+
+    assert jobs() == {"accepted": 0, "running": 0, "successful": 0, "failed": 0, "dismissed": 0}
+    made = client.post("/v1/mat", content=b'{"do": "echo"}', headers=JSON | {"Prefer": "respond-async"})
+    assert made.status_code == 201
+    end = time.monotonic() + 20
+    while jobs()["successful"] != 1:
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    assert sum(jobs().values()) == 1
+
+    async def hang() -> dict[str, int]:
+        await asyncio.sleep(60)
+        return {}
+
+    client.app.state.jobs.counts = hang  # type: ignore[attr-defined]
+    assert jobs()["successful"] == 1
+    assert client.delete(made.headers["location"]).status_code == 200
 
 
 def test_names_keep_to_the_conventions(client: TestClient) -> None:
