@@ -20,7 +20,7 @@ from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import ARC_CONTACT, CURVATURE_LEAF, NEXT, VERTEX_LEAF
 from mat_core.tolerances import Tolerances
 from mat_core.topology.skeleton import Skeleton
-from mat_core.topology.unite import find, same_disc, unite
+from mat_core.topology.unite import COORDINATE, find, same_disc, unite
 
 BRANCH, CONVEX_VERTEX_NODE, CURVATURE_CENTER, ARC_CENTER, POINT = 0, 1, 2, 3, 4
 NODE_KINDS = ("branch", "convex_vertex", "curvature_center", "arc_center", "point")
@@ -242,7 +242,7 @@ def build_graph(t: SiteTable, k: Skeleton, tolerances: Tolerances) -> tuple[Skel
     k : Skeleton
         As solved, with strips of no length between discs that are one.
     tolerances : Tolerances
-        `same_node` decides what has no length.
+        `same_node` decides what has no length; nothing has that is shorter than the rounding of the input's coordinates.
 
     Returns
     -------
@@ -252,8 +252,10 @@ def build_graph(t: SiteTable, k: Skeleton, tolerances: Tolerances) -> tuple[Skel
     parent = np.empty(n_discs, dtype=np.int64)
     strip_alive = np.empty(len(k.strip_i), dtype=np.bool_)
     contact_alive = np.empty(len(k.contact_site), dtype=np.bool_)
-    contract(t.si, k.disc, k.disc_kind, k.strip_i, k.strip_s, k.contact_start, k.contact_site, k.contact_s, tolerances.same_node,
-             parent, strip_alive, np.empty(len(k.contact_site), dtype=np.int64), contact_alive)
+    rounding = COORDINATE * float(np.abs(t.origin).max()) * t.scale
+    contract(t.si, k.disc, k.disc_kind, k.strip_i, k.strip_s, k.contact_start, k.contact_site, k.contact_s,
+             max(tolerances.same_node, rounding), parent, strip_alive, np.empty(len(k.contact_site), dtype=np.int64),
+             contact_alive)
     if not strip_alive.all():
         k = _compress(k, parent, strip_alive, contact_alive)
         n_discs = len(k.disc)
