@@ -11,6 +11,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from pathlib import Path
 
+from tests.load.batch import batch
 from tests.load.calm import beside_huge, calm, deadlines, overload
 from tests.load.durability import database, disk, killed
 from tests.load.faults import faults
@@ -23,6 +24,7 @@ PARTS: dict[str, Callable[[Scale, Report], Awaitable[None]]] = {
     "overload": overload,
     "deadlines": deadlines,
     "faults": faults,
+    "batch": batch,
     "killed": killed,
     "database": database,
     "disk": disk,
@@ -35,6 +37,7 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     p.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS), help="parts; default: all")
     p.add_argument("--seconds", type=float, help="of each measurement")
     p.add_argument("--events", type=int, help="faults")
+    p.add_argument("--lines", type=int, help="domains of a batch")
     p.add_argument("--workers", type=int, help="processes that solve")
     p.add_argument("--huge-edges", type=int, help="of a huge domain")
     p.add_argument("--rate", type=float, help="small requests a second, where they come at a pace")
@@ -59,7 +62,7 @@ def main() -> int:
         place = asked.folder or Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         scale = short(place) if asked.short else Scale(place)
-        names = ("seconds", "events", "workers", "huge_edges", "rate")
+        names = ("seconds", "events", "lines", "workers", "huge_edges", "rate")
         chosen = {name: value for name in names if (value := getattr(asked, name)) is not None}
         load = os.getloadavg()[0]
         report = asyncio.run(run(asked.only, replace(scale, **chosen), lambda text: print(text, file=sys.stderr, flush=True)))

@@ -69,10 +69,10 @@ class Connection:
 
 def head(method: str, path: str, size: int, headers: dict[str, str] | None = None) -> bytes:
     """The head of a request."""
-    lines = [f"{method} {path} HTTP/1.1", "Host: localhost"]
+    usual = {"Host": "localhost"}
     if method != "GET":
-        lines += ["Content-Type: application/json", f"Content-Length: {size}"]
-    lines += [f"{name}: {value}" for name, value in (headers or {}).items()]
+        usual |= {"Content-Type": "application/json", "Content-Length": str(size)}
+    lines = [f"{method} {path} HTTP/1.1", *(f"{name}: {value}" for name, value in (usual | (headers or {})).items())]
     return "\r\n".join([*lines, "", ""]).encode()
 
 

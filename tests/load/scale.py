@@ -22,6 +22,8 @@ class Scale:
     huge_edges : int
     events : int
         Faults: clients that leave, bodies that are cut off, and the like.
+    lines : int
+        Domains of a batch.
     slack : float
         Factor on the promised times: a machine that runs other things is no judge of milliseconds.
     """
@@ -32,9 +34,10 @@ class Scale:
     rate: float = 25.0
     huge_edges: int = 40_000
     events: int = 1000
+    lines: int = 20_000
     slack: float = 1.0
 
 
 def short(folder: Path) -> Scale:
     """What the tests run."""
-    return Scale(folder, seconds=2.0, rate=15.0, huge_edges=4_000, events=60, slack=20.0)
+    return Scale(folder, seconds=2.0, rate=15.0, huge_edges=4_000, events=60, lines=300, slack=20.0)
