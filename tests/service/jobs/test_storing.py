@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -42,10 +43,13 @@ def test_what_cannot_be_stored_is_refused(client: TestClient, monkeypatch: pytes
 
 
 def test_a_result_that_cannot_be_stored_is_tried_again(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    with monkeypatch.context() as patch:
-        patch.setattr(Blobs, "adopt", no_space)
-        job = post(client, {"name": "patient"}).json()["jobID"]
-        until(client, job, "running")
+    full, adopt = threading.Event(), Blobs.adopt
+    full.set()
+    # one function that fails for a while: what is tried again is what was tried first
+    monkeypatch.setattr(Blobs, "adopt", lambda *given: no_space() if full.is_set() else adopt(*given))
+    job = post(client, {"name": "patient"}).json()["jobID"]
+    until(client, job, "running")
+    full.clear()
     until(client, job, "successful")
     assert client.get(f"/v1/jobs/{job}/results").json() == {"did": {"name": "patient"}}
 
