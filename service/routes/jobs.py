@@ -132,10 +132,9 @@ async def answer(request: Request, job: Job) -> Response:
 
 async def find(request: Request, job_id: str) -> Job:
     """The job at an address, if the client may see it."""
-    job = None
-    if _ID.fullmatch(job_id):  # a database takes not every text that an address can hold
-        with refusals():
-            job = await jobs_of(request).get(job_id, owner_of(request))
+    askable = job_id if _ID.fullmatch(job_id) else ""  # a database takes not every text that an address can hold
+    with refusals():
+        job = await jobs_of(request).get(askable, owner_of(request))
     if job is None:
         detail = f"There is no job {job_id!r}, or it is not yours, or it was removed."
         raise RequestError("not-found", detail, {"type": f"{OGC}/no-such-job"})

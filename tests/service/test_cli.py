@@ -102,7 +102,7 @@ def test_an_operation_with_its_arguments(tmp_path: Path, capfd: pytest.CaptureFi
     ("arguments", "said"),
     [
         (["--operation", "melt"], "there is no operation 'melt'"),
-        (["--operation", "width", "-f", "svg"], "width is answered in json, not in svg"),
+        (["--operation", "width", "-f", "svg"], "width is answered in json, msgpack, not in svg"),
         (["--arguments", "{"], "--arguments is not JSON"),
         (["--arguments", "[1]"], "--arguments must be a JSON object"),
         (["-o", "/nowhere/a.json"], "cannot write /nowhere/a.json: No such file or directory"),

@@ -14,6 +14,7 @@ from starlette.testclient import TestClient
 
 from service.app import create_app
 from service.jobs.dbos_jobs import DbosJobs
+from service.orders import Order
 from service.schemas import JobList, JobStatus
 from service.settings import KIB, Settings
 from tests.service.jobs.servers import ASYNC, LINES
@@ -240,8 +241,8 @@ def test_a_key_that_is_none(client: TestClient, key: bytes) -> None:
 def test_jobs_and_keys_belong_to_their_owner(client: TestClient) -> None:
     jobs: DbosJobs = client.app.state.jobs  # type: ignore[attr-defined]
     call: Callable[..., Any] = client.portal.call  # type: ignore[union-attr]
-    alices = call(jobs.submit, "mat", "json", b"{}", "key", "alice")
-    bobs = call(jobs.submit, "mat", "json", b'{"name": 1}', "key", "bob")
+    alices = call(jobs.submit, Order("mat", "json"), b"{}", "key", "alice")
+    bobs = call(jobs.submit, Order("mat", "json"), b'{"name": 1}', "key", "bob")
     assert alices.id != bobs.id
     assert call(jobs.get, alices.id, "alice").id == alices.id
     assert call(jobs.get, alices.id, "bob") is None
@@ -334,7 +335,8 @@ def test_what_a_batch_is_not(client: TestClient) -> None:
     problem(send(client, b"{}", "?operation=nope"), "invalid-parameter")
     problem(client.post("/v1/batches", content=b"{}", headers=JSON), "unsupported-media-type")
     problem(client.post("/v1/batches", content=b"{}"), "unsupported-media-type")
-    problem(send(client, b"{}", **{"Content-Encoding": "gzip"}), "unsupported-media-type")
+    problem(send(client, b"{}", **{"Content-Encoding": "br"}), "unsupported-media-type")
+    problem(send(client, b"{}", **{"Content-Encoding": "gzip"}), "not-gzip")
 
 
 def test_a_batch_is_sent_again_with_its_key(client: TestClient) -> None:
