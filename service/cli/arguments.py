@@ -13,7 +13,7 @@ from service.cli.exits import EXITS
 
 N = TypeVar("N", int, float)
 
-FORMATS = ("json", "geojson", "svg", "dxf")
+FORMATS = ("json", "geojson", "svg", "dxf", "msgpack")
 LINE_FORMATS = ("json", "geojson")
 """Formats that fit one line."""
 
@@ -85,6 +85,8 @@ def _options(command: argparse.ArgumentParser) -> None:
     """What goes before the members of the same name in the document."""
     command.add_argument("--operation", default="mat", metavar="NAME", help="mat, offset, width and so on (default: mat)")
     command.add_argument("--arguments", metavar="JSON", help="the operation's, such as '{\"distance\": 0.2}'")
+    digits = _number(int, 3, 15)
+    command.add_argument("--precision", type=digits, help="significant digits of coordinates and radii (default: all)")
     options = command.add_argument_group("options of the solver, which go before the document's own")
     options.add_argument("--tolerance", type=float, help="largest error of fitted curves, as a fraction of the size")
     options.add_argument("--method", choices=("discs", "march"))

@@ -7,6 +7,7 @@ import json
 from pathlib import PurePath
 from typing import Any
 
+from service.cli.arguments import FORMATS
 from service.cli.exits import USAGE, Failure
 from service.cli.files import PACKED
 
@@ -15,7 +16,14 @@ OPTIONS = ("tolerance", "method", "step", "smooth_angle", "samples")
 
 def header(asked: argparse.Namespace, form: str) -> dict[str, Any]:
     """What the worker is told besides the body."""
-    return {"operation": operation(asked, form), "format": form, "keep": None, "precision": None}
+    told: dict[str, Any] = {"operation": operation(asked, form), "format": form}
+    if asked.precision is not None:
+        from service.negotiation import WITH_PRECISION
+
+        if form not in WITH_PRECISION:
+            raise Failure(USAGE, f"--precision goes with {', '.join(WITH_PRECISION)}, not with {form}")
+        told["precision"] = asked.precision
+    return told
 
 
 def operation(asked: argparse.Namespace, form: str) -> str:
@@ -35,7 +43,7 @@ def form_of(asked: argparse.Namespace) -> str:
     if asked.format is not None:
         return str(asked.format)
     suffix = PurePath(asked.output.removesuffix(PACKED)).suffix.removeprefix(".").lower()
-    return suffix if suffix in ("geojson", "svg", "dxf") else "json"
+    return suffix if suffix in FORMATS else "json"
 
 
 def additions(asked: argparse.Namespace) -> dict[str, Any]:

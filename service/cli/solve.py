@@ -8,6 +8,7 @@ import signal
 from collections.abc import Iterator
 
 from service.cli import files
+from service.cli.arguments import LINE_FORMATS
 from service.cli.exits import OK
 from service.cli.progress import waiting
 from service.cli.report import refusal
@@ -25,7 +26,8 @@ def solve(asked: argparse.Namespace) -> int:
         meta, content = handle(told, body, lambda name, fraction: stage(f"{name}, {fraction:.0%}:"))
     if "error" in meta:
         raise refusal(files.shown(asked.input, "input"), meta["error"])
-    files.write(asked.output, content + b"\n" if asked.output == files.STANDARD and form != "dxf" else content)
+    for_eyes = asked.output == files.STANDARD and form in LINE_FORMATS
+    files.write(asked.output, content + b"\n" if for_eyes else content)
     return OK
 
 

@@ -20,9 +20,12 @@ import pytest
 
 import mat_core
 from service.cli import EXTRA, main
+from service.cli.arguments import FORMATS, parser
 from service.cli.exits import BROKEN_PIPE, EXITS, FAILED, INVALID_INPUT, NOT_CERTIFIED, OF_CODE, OK, SOME_FAILED, USAGE
 from service.cli.serve import listen
 from service.errors import ERRORS
+from service.negotiation import FORMATS as SERVED
+from service.negotiation import PRECISION_RANGE
 from service.workers.solve import handle
 from tests.service.live import ROOT, free_port
 from tests.service.processes import alive, descendants, eventually
@@ -63,7 +66,7 @@ def test_an_answer_is_the_service_s_own(tmp_path: Path) -> None:
     assert out.stat().st_mode & 0o777 == 0o644
 
 
-@pytest.mark.parametrize("form", ["geojson", "svg", "dxf"])
+@pytest.mark.parametrize("form", ["geojson", "svg", "dxf", "msgpack"])
 def test_the_name_of_the_output_tells_the_format(tmp_path: Path, form: str) -> None:
     for name, arguments in ((f"a.{form}", []), ("a.out", ["-f", form])):
         assert main(["solve", str(PLATE), "-o", str(tmp_path / name), *arguments]) == OK
@@ -90,6 +93,13 @@ def test_options_go_before_those_of_the_document(tmp_path: Path) -> None:
     assert out.read_bytes() == answer(given)
 
 
+def test_digits_are_those_asked_for(tmp_path: Path) -> None:
+    out = tmp_path / "answer.json"
+    assert main(["solve", str(PLATE), "-o", str(out), "--precision", "5"]) == OK
+    meta, content = handle({"operation": "mat", "format": "json", "precision": 5}, PLATE.read_bytes())
+    assert out.read_bytes() == content != answer()
+
+
 def test_an_operation_with_its_arguments(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "offset.json"
     assert main(["solve", str(PLATE), "--operation", "offset", "--arguments", '{"distance": 0.25}', "-o", str(out)]) == OK
@@ -103,6 +113,7 @@ def test_an_operation_with_its_arguments(tmp_path: Path, capfd: pytest.CaptureFi
     [
         (["--operation", "melt"], "there is no operation 'melt'"),
         (["--operation", "width", "-f", "svg"], "width is answered in json, msgpack, not in svg"),
+        (["-f", "svg", "--precision", "5"], "--precision goes with json, geojson, msgpack, not with svg"),
         (["--arguments", "{"], "--arguments is not JSON"),
         (["--arguments", "[1]"], "--arguments must be a JSON object"),
         (["-o", "/nowhere/a.json"], "cannot write /nowhere/a.json: No such file or directory"),
@@ -374,6 +385,16 @@ def test_every_package_of_the_service_is_known_to_come_with_it() -> None:
     optional = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
     named = {line.split(">")[0].replace("-", "_") for line in optional["service"]}
     assert named <= EXTRA
+
+
+def test_the_command_offers_what_the_service_offers() -> None:
+    assert set(FORMATS) == set(SERVED)
+    low, high = PRECISION_RANGE
+    for digits in (low, high):
+        assert parser().parse_args(["solve", "-", "--precision", str(digits)]).precision == digits
+    for digits in (low - 1, high + 1):
+        with pytest.raises(SystemExit):
+            parser().parse_args(["solve", "-", "--precision", str(digits)])
 
 
 def test_every_error_has_an_exit_code() -> None:
