@@ -12,6 +12,7 @@ from fastapi.routing import iter_route_contexts
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.routing import Match
+from starlette.types import Receive, Scope, Send
 
 from service import caching, compression
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
@@ -24,6 +25,24 @@ _CODES = {400: "invalid-parameter", 404: "not-found", 405: "method-not-allowed",
 
 SHOWN = 200
 """Characters of an address or a name that a problem document repeats."""
+
+
+PIECE_BYTES = 256 * 1024
+"""Of an answer that is handed to its connection at a time."""
+
+
+class InPieces(Response):
+    """A large answer that goes out as the client takes it: the connection's buffer never holds, and so never copies, all of it.
+
+    Copying 45 MB holds up the event loop, and with it every other request, for some 20 ms.
+    """
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send the answer."""
+        await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
+        for begin in range(0, max(1, len(self.body)), PIECE_BYTES):
+            piece = self.body[begin : begin + PIECE_BYTES]
+            await send({"type": "http.response.body", "body": piece, "more_body": begin + PIECE_BYTES < len(self.body)})
 
 
 def problem_response(error: RequestError, request: Request) -> Response:

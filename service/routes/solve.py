@@ -28,6 +28,7 @@ from service.observability.telemetry import record_work
 from service.operations import OPERATIONS, Operation
 from service.orders import Order
 from service.preferences import Preferences, read_preferences
+from service.responses import InPieces
 from service.routes import jobs
 from service.settings import Settings
 from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
@@ -120,7 +121,7 @@ async def _answer_now(request: Request, order: Order, body: bytes, wishes: Prefe
         cache.put(digest, gzip, Kept(reply.body, headers, media_type))
     timing = ", ".join(f"{name};dur={value:.3f}" for name, value in request.state.timings.items())
     told = {"Server-Timing": timing, "Cache-Status": "mat; fwd=miss", **wishes.headers}
-    return Response(reply.body, headers=headers | told, media_type=media_type)
+    return InPieces(reply.body, headers=headers | told, media_type=media_type)
 
 
 async def _look(request: Request, order: Order, body: bytes) -> Order:

@@ -26,7 +26,7 @@ class Server:
     folder : Path
         Its log is here, and its data, unless the settings say where.
     **settings : object
-        By their names in `service.settings.Settings`.
+        By their names in `service.settings.Settings`. Nothing is kept to be answered again, unless they say so.
 
     Attributes
     ----------
@@ -40,7 +40,8 @@ class Server:
         self.port = free_port()
         self.seen: set[int] = set()
         self._log = folder / "service.log"
-        given = {"data_dir": folder / f"data-{self.port}", "log_level": "warning", **settings}
+        usual = {"data_dir": folder / f"data-{self.port}", "log_level": "warning", "result_cache_bytes": 0}
+        given = {**usual, **settings}
         self._environment = {f"MAT_{name.upper()}": str(value) for name, value in given.items()}
         self.process = self._start()
 
