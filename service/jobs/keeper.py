@@ -122,11 +122,14 @@ class Keeper:
 
     async def _keep(self) -> None:
         """Open the store as soon as that is possible, then renew the lease, look for dead executors, and sweep."""
+        told = ""
         while self._store is None:
             try:
                 await asyncio.to_thread(self._open, asyncio.get_running_loop())
             except Exception as error:
-                _log.error("the job store cannot be opened: %s", first_line(error))
+                if (reason := first_line(error)) != told:
+                    _log.error("the job store cannot be opened, which is tried again and again: %s", reason)
+                    told = reason
                 await asyncio.sleep(OPEN_SECONDS)
         sweeps = beats = 0
         pause = min(SWEEP_SECONDS, max(RENEW_SECONDS, self._settings.job_retention_seconds / 2))

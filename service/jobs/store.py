@@ -198,14 +198,15 @@ class Store:
         with self.engine.connect() as c:
             return Chunk(*c.execute(_CHUNK.where(CHUNKS.c.job == job_id, CHUNKS.c.number == number)).one())
 
-    def finish_chunk(self, job_id: str, number: int, result: str, failed: int, enqueue: Enqueue) -> None:
-        """Note a chunk's result, and enqueue the chunk that is next in its row; the first result stays."""
+    def finish_chunk(self, job_id: str, number: int, result: str, failed: int, enqueue: Enqueue) -> bool:
+        """Note a chunk's result, and enqueue the chunk that is next in its row. False where there is a result, or no chunk."""
         mine = (CHUNKS.c.job == job_id) & (CHUNKS.c.number == number) & CHUNKS.c.result.is_(None)
         later = (CHUNKS.c.job == job_id) & (CHUNKS.c.number == number + CHUNKS_AHEAD)
         with self.engine.begin() as c:
             changed = c.execute(sa.update(CHUNKS).where(mine).values(result=result, failed=failed)).rowcount
             if changed and c.execute(sa.select(CHUNKS.c.number).where(later)).one_or_none() is not None:
                 enqueue(c, job_id, number + CHUNKS_AHEAD)
+        return bool(changed)
 
     def tally(self, job_id: str) -> tuple[int, int, int, int]:
         """Of a job: chunks that are not finished; domains finished, in all, and failed."""

@@ -93,8 +93,11 @@ class Work:
                 failed = 0
                 await self._patiently(_append, written, 0, (await self._solve(store, job, body)).body)
             digest = await self._patiently(self._blobs.adopt, written)
-            await self._calls.insist(store.finish_chunk, job.id, chunk.number, digest, failed, self._enqueue)
-            if not await self._patiently(self._blobs.has, digest):
+            noted = await self._calls.insist(store.finish_chunk, job.id, chunk.number, digest, failed, self._enqueue)
+            if not noted:  # the job is gone, or another executor was first
+                with contextlib.suppress(StoreUnavailable):
+                    await self._calls.ask_much(self._blobs.remove, [digest], store.referenced)
+            elif not await self._patiently(self._blobs.has, digest):
                 await self._patiently(self._blobs.adopt, written)  # it was removed with another job that had the same result
         finally:
             written.unlink(missing_ok=True)

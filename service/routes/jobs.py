@@ -114,10 +114,12 @@ async def answer(request: Request, job: Job) -> Response:
         if job.state == "failed":
             raise RequestError(**await jobs_of(request).failure(job))
         found = await jobs_of(request).results(job)
-    try:
-        size = await asyncio.to_thread(lambda: sum(file.stat().st_size for file in found.files))
-    except OSError:
-        raise RequestError("store-unavailable", "The files of the results cannot be read now.") from None
+        try:
+            size = await asyncio.to_thread(lambda: sum(file.stat().st_size for file in found.files))
+        except FileNotFoundError:
+            raise RequestError("not-found", "The results were removed.") from None
+        except OSError:
+            raise RequestError("store-unavailable", "The files of the results cannot be read now.") from None
     tag = caching.tag(found.digest)
     headers = {"ETag": tag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if request.method == "GET" and caching.unchanged(request.method, request.headers, tag):
@@ -126,6 +128,8 @@ async def answer(request: Request, job: Job) -> Response:
     if size >= compression.LEAST_BYTES and accepts_gzip(request.headers.get("accept-encoding", "")):
         headers["Content-Encoding"] = "gzip"
         pieces = compression.compressed(pieces)
+    else:
+        headers["Content-Length"] = str(size)
     media_type = LINES if job.batch else FORMATS[job.format]  # type: ignore[index]  # one of them when it was stored
     return StreamingResponse(pieces, 200, headers, media_type)
 

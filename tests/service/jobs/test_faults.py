@@ -15,6 +15,7 @@ import pytest
 
 from service.errors import ERRORS
 from tests.service.jobs.servers import LINES, Server
+from tests.service.processes import eventually
 
 
 def test_no_accepted_job_is_lost_when_the_server_is_killed(tmp_path: Path) -> None:
@@ -36,8 +37,7 @@ def test_a_batch_goes_on_after_a_kill_with_its_open_chunks_only(tmp_path: Path) 
     count, chunk, open_chunks = 60, 5, 2  # one worker, and one chunk fetched beyond it
     with Server(tmp_path, MAT_BATCH_CHUNK=str(chunk)) as server:
         job = server.batch({"name": k, "seconds": 0.02} for k in range(count))
-        while len(server.done()) < count // 3:
-            time.sleep(0.01)
+        eventually(lambda: len(server.done()) >= count // 3, seconds=60)
         server.kill()
         assert len(server.done()) < count
         server.start()
@@ -77,10 +77,8 @@ def test_a_batch_that_is_cut_off_makes_no_job_and_leaves_no_file(tmp_path: Path,
         with socket.create_connection((address.hostname, address.port)) as connection:
             connection.sendall(head + part)
             incoming = tmp_path / "data" / "incoming"
-            while not list(incoming.rglob("0000*")):
-                time.sleep(0.01)
-        while list(incoming.iterdir()):
-            time.sleep(0.01)
+            eventually(lambda: bool(list(incoming.rglob("0000*"))))
+        eventually(lambda: not list(incoming.iterdir()))
         assert server.client.get("/v1/jobs").json()["jobs"] == []
         assert not [path for path in (tmp_path / "data" / "blobs").rglob("*") if path.is_file()]
 
@@ -90,10 +88,7 @@ def test_without_its_store_the_service_serves_everything_else(tmp_path: Path) ->
     server = Server(tmp_path)
     try:
         server.start(ready=False)
-        end = time.monotonic() + 60
-        while (answer := _get(server, "/readyz")) is None or answer["code"] != "store-unavailable":
-            assert time.monotonic() < end, answer
-            time.sleep(0.05)
+        eventually(lambda: _code(server) == "store-unavailable", seconds=60)
         sync = server.client.post("/v1/mat", content=b'{"name": "sync"}', headers={"Content-Type": "application/json"})
         assert sync.json() == {"did": {"name": "sync"}}
         refused = [server.post({}), server.client.post("/v1/batches", content=b"{}\n", headers=LINES)]
@@ -102,20 +97,18 @@ def test_without_its_store_the_service_serves_everything_else(tmp_path: Path) ->
             assert (response.status_code, response.json()["code"]) == (503, "store-unavailable")
             assert response.headers["retry-after"] == str(ERRORS["store-unavailable"].retry_after_seconds)
         (tmp_path / "data").unlink()
-        while server.client.get("/readyz").status_code != 200:
-            assert time.monotonic() < end
-            time.sleep(0.05)
+        eventually(lambda: server.client.get("/readyz").status_code == 200, seconds=60)
         server.until(server.job({"name": "later"}), "successful")
     finally:
         server.stop()
 
 
-def _get(server: Server, path: str) -> dict[str, str] | None:
+def _code(server: Server) -> str:
+    """Why a server is not ready; nothing while it does not answer."""
     try:
-        document: dict[str, str] = server.client.get(path).json()
+        return str(server.client.get("/readyz").json().get("code"))
     except httpx2.TransportError:
-        return None
-    return document | {"code": document.get("code", "")}
+        return ""
 
 
 def test_an_api_and_a_worker_share_a_folder_and_a_dismissal_reaches_the_worker(tmp_path: Path) -> None:
@@ -142,10 +135,6 @@ def test_two_servers_of_one_name_take_names_of_their_own(tmp_path: Path) -> None
 def test_jobs_go_with_their_files_when_they_have_been_kept_long_enough(tmp_path: Path) -> None:
     with Server(tmp_path, MAT_JOB_RETENTION_SECONDS="1") as server:
         job = server.job({"name": "short-lived"})
-        end = time.monotonic() + 60
-        while server.client.get(f"/v1/jobs/{job}").status_code != 404:
-            assert time.monotonic() < end
-            time.sleep(0.1)
-        while [path for path in (tmp_path / "data" / "blobs").rglob("*") if path.is_file()]:
-            assert time.monotonic() < end
-            time.sleep(0.1)
+        eventually(lambda: server.client.get(f"/v1/jobs/{job}").status_code == 404, seconds=60)
+        blobs = tmp_path / "data" / "blobs"
+        eventually(lambda: not [path for path in blobs.rglob("*") if path.is_file()], seconds=60)

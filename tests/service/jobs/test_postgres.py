@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import pytest
 
 from tests.service.jobs.postgres import Postgres, programs
 from tests.service.jobs.servers import Server
+from tests.service.processes import eventually
 
 
 @pytest.fixture(scope="module")
@@ -59,14 +59,9 @@ def test_while_the_database_is_away_work_goes_on_and_is_recorded_when_it_is_back
         assert one.client.get("/readyz").json()["code"] == "store-unavailable"
         sync = one.client.post("/v1/mat", content=b"{}", headers={"Content-Type": "application/json"})
         assert sync.status_code == 200
-        end = time.monotonic() + 60
-        while "running" not in one.done():
-            assert time.monotonic() < end
-            time.sleep(0.05)
+        eventually(lambda: "running" in one.done(), seconds=60)
         postgres.start()
-        while one.client.get("/readyz").status_code != 200:
-            assert time.monotonic() < end
-            time.sleep(0.05)
+        eventually(lambda: one.client.get("/readyz").status_code == 200, seconds=60)
         for job in (running, waiting):
             assert one.until(job, "successful")["progress"] == 100
         assert sorted(one.done()) == ["None", "running", "waiting"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import time
 from collections.abc import Callable, Iterator
@@ -18,6 +19,7 @@ from service.orders import Order
 from service.schemas import JobList, JobStatus
 from service.settings import KIB, Settings
 from tests.service.jobs.servers import ASYNC, LINES
+from tests.service.processes import eventually
 from tests.service.test_app import JSON, problem, wait_until_ready
 
 HANDLER = "tests.service.jobs.handlers"
@@ -165,10 +167,13 @@ def test_a_waiting_job_is_dismissed_before_it_begins(client: TestClient, folder:
 def test_progress_is_told_and_never_goes_back(client: TestClient) -> None:
     job = post(client, {"seconds": 1}).json()["jobID"]
     until(client, job, "running")
-    seen = []
-    while not seen or seen[-1] < 100:
+    seen: list[int] = []
+
+    def over() -> bool:
         seen.append(client.get(f"/v1/jobs/{job}").json()["progress"])
-        time.sleep(0.02)
+        return seen[-1] == 100
+
+    eventually(over, seconds=30)
     assert seen == sorted(seen)
     assert set(seen) & {49}
 
@@ -303,8 +308,7 @@ def test_a_domain_that_ends_its_worker_costs_only_its_line(client: TestClient) -
 def test_a_batch_is_dismissed_in_the_middle(client: TestClient, folder: Path) -> None:
     before = blobs(folder)
     job = send(client, b'{"seconds": 0.2}\n' * 400).json()["jobID"]
-    while client.get(f"/v1/jobs/{job}").json()["progress"] == 0:
-        time.sleep(0.01)
+    eventually(lambda: client.get(f"/v1/jobs/{job}").json()["progress"] > 0, seconds=30)
     assert client.delete(f"/v1/jobs/{job}").json()["status"] == "dismissed"
     assert post(client, {}, Prefer="respond-async, wait=20").status_code == 200
     client.delete(f"/v1/jobs/{job}")
@@ -337,6 +341,16 @@ def test_what_a_batch_is_not(client: TestClient) -> None:
     problem(client.post("/v1/batches", content=b"{}"), "unsupported-media-type")
     problem(send(client, b"{}", **{"Content-Encoding": "br"}), "unsupported-media-type")
     problem(send(client, b"{}", **{"Content-Encoding": "gzip"}), "not-gzip")
+
+
+def test_a_compressed_batch_that_is_cut_off_makes_no_job(client: TestClient, folder: Path) -> None:
+    lines = b"".join(b'{"name": %d}\n' % k for k in range(1000))
+    packed, jobs = gzip.compress(lines), client.get("/v1/jobs?limit=1000").json()["jobs"]
+    response = send(client, packed[: len(packed) // 2], **{"Content-Encoding": "gzip"})
+    assert 400 <= response.status_code < 500
+    assert client.get("/v1/jobs?limit=1000").json()["jobs"] == jobs
+    assert not list((folder / "incoming").iterdir())
+    assert send(client, packed, **{"Content-Encoding": "gzip"}).status_code == 201
 
 
 def test_a_batch_is_sent_again_with_its_key(client: TestClient) -> None:

@@ -12,6 +12,7 @@ import sqlalchemy as sa
 from service.jobs.engine import engine_for
 from service.jobs.port import StoreUnavailable
 from service.jobs.store import CHUNKS_AHEAD, Chunk, NewJob, Store
+from service.orders import Order
 
 
 @pytest.fixture
@@ -29,7 +30,7 @@ def nothing(*_: Any) -> None:
 
 def new(job: str, chunks: int = 1) -> NewJob:
     parts = [Chunk(k, k, 1, f"body {k}") for k in range(chunks)]
-    return NewJob(job, "mat", "json", "fingerprint", None, None, chunks > 1, parts)
+    return NewJob(job, Order("mat", "json"), "fingerprint", None, None, chunks > 1, parts)
 
 
 def test_a_job_ends_once(store: Store) -> None:
@@ -51,8 +52,9 @@ def test_a_chunk_keeps_its_first_result_and_brings_one_more(store: Store) -> Non
 
     store.insert(new("a", CHUNKS_AHEAD + 2), enqueue)
     assert enqueued == list(range(CHUNKS_AHEAD))
-    for result in ("first", "second"):
-        store.finish_chunk("a", 1, result, 0, enqueue)
+    assert store.finish_chunk("a", 1, "first", 0, enqueue)
+    assert not store.finish_chunk("a", 1, "second", 0, enqueue)
+    assert not store.finish_chunk("gone", 1, "second", 0, enqueue)
     assert store.chunk("a", 1).result == "first"
     assert enqueued[CHUNKS_AHEAD:] == [CHUNKS_AHEAD + 1]
     store.finish_chunk("a", CHUNKS_AHEAD + 1, "last", 1, enqueue)
