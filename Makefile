@@ -36,8 +36,8 @@ types: dev ## mypy --strict
 imports: dev ## who may import whom
 	@$(BIN)/lint-imports
 
-openapi: dev ## write openapi/openapi.json anew
-	@$(BIN)/python tools/write_openapi.py
+openapi: dev ## write openapi/openapi.json anew; ARGS=--release keeps it as what clients of this version rely on
+	@$(BIN)/python tools/write_openapi.py $(ARGS)
 
 paper: dev ## run the paper's procedure, write docs/paper.md and its pictures
 	@$(BIN)/python tools/paper_report.py

@@ -16,6 +16,7 @@ from typing import Any
 import msgpack
 import numpy as np
 import orjson
+from numpy.typing import NDArray
 
 from service.compression import LEAST_BYTES, compress
 
@@ -26,6 +27,9 @@ ROUNDED = frozenset(
 
 PARTS = ("segments", "graph", "result", "bbox", "features")
 """Members of an answer that are rounded; not what was asked, nor the certificate and the figures of the domain."""
+
+LEAVES = frozenset(("loop", "edge", "u", "angle"))
+"""Members of the footpoints of samples, which are most of a large answer: nothing in them is rounded."""
 
 LARGEST_EXPONENT = 300  # of the grid, so that no product with it overflows
 
@@ -70,20 +74,24 @@ def _walk(node: Any, decimals: int, inside: bool) -> Any:
     if isinstance(node, dict):
         return {name: _walk(value, decimals, name in ROUNDED) for name, value in node.items()}
     if isinstance(node, list):
-        if inside and _is_block(node):
-            return _round(np.asarray(node, dtype=np.float64), decimals).tolist()
+        if inside and (block := _block(node)) is not None:
+            rounded: list[Any] = _round(block, decimals).tolist()
+            return rounded
+        if node and all(type(value) is dict for value in node) and LEAVES.issuperset(set().union(*node)):
+            return node
         return [_walk(value, decimals, inside) for value in node]
     if inside and isinstance(node, float):
         return float(_round(np.float64(node), decimals))
     return node
 
 
-def _is_block(node: list[Any]) -> bool:
-    """Whether a list is one of numbers, or of pairs of them, all the way through."""
-    first = node[0] if node else None
-    if isinstance(first, list):
-        return all(isinstance(row, list) and len(row) == len(first) and _is_block(row) for row in node)
-    return bool(node) and all(type(value) in (float, int) for value in node)
+def _block(node: list[Any]) -> NDArray[np.float64] | None:
+    """A list of numbers, or of rows of them, all the way through as an array; None for any other."""
+    try:
+        block = np.asarray(node, dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
+    return block if np.isfinite(block).all() else None  # null became NaN
 
 
 def _round(values: Any, decimals: int) -> Any:

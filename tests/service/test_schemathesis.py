@@ -23,9 +23,9 @@ RELAXED = settings(
 
 @pytest.fixture(scope="session")
 def described(live: httpx2.Client) -> Any:
-    """The document as served. What fits its schema may break a rule of geometry, 422, or name a job that is not there, 404."""
+    """The document as served. What fits its schema may break a rule of geometry, 422, or name a job that is gone, 404 or 410."""
     checks: dict[str, dict[str, Any]] = {
-        "positive_data_acceptance": {"expected-statuses": ["2xx", "404", "422"]},
+        "positive_data_acceptance": {"expected-statuses": ["2xx", "404", "410", "422"]},
         # OGC API - Processes: results that are not there yet are a 404, and a job dismissed as it ran can be looked at
         "ensure_resource_availability": {"enabled": False},
         "use_after_free": {"enabled": False},
