@@ -260,6 +260,7 @@ def test_our_services_fit_the_image_and_the_settings(name: str) -> None:
     data = environment(final, Path(PLACE))["MAT_DATA_DIR"]
     assert f"data:{data}" in service["volumes"]
     assert dict(final)["VOLUME"] == data
+    assert service["env_file"] == [{"path": "mat.env", "required": False}]
     known = {variable(name) for name in Settings.__dataclass_fields__} | {"OTEL_EXPORTER_OTLP_ENDPOINT"}
     given = {key: str(value) for key, value in service["environment"].items()}
     assert set(given) <= known

@@ -45,7 +45,7 @@ def test_a_lock_has_only_pins_and_hashes_and_no_address(name: str) -> None:
 
 def test_the_locks_cover_the_project_and_agree() -> None:
     run, develop = (pins(name) for name in LOCKS)
-    optional = PROJECT["project"]["optional-dependencies"]["service"]
+    optional = [line for extra in ("service", "telemetry") for line in PROJECT["project"]["optional-dependencies"][extra]]
     runtime = {re.split("[>=]", line)[0] for line in PROJECT["project"]["dependencies"] + optional}
     assert runtime <= set(run)
     assert {re.split("[>=]", line)[0] for line in PROJECT["dependency-groups"]["dev"]} <= set(develop)
