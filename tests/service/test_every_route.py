@@ -137,7 +137,8 @@ def test_head_is_get_without_the_body(client: TestClient, path: str) -> None:
     whole, head = client.get(path), client.head(path)
     assert head.status_code == whole.status_code
     assert head.content == b""
-    assert head.headers.get("content-length") == whole.headers.get("content-length")
+    if path != "/metrics":  # whose figures count these very requests
+        assert head.headers.get("content-length") == whole.headers.get("content-length")
     assert head.headers.get("etag") == whole.headers.get("etag")
 
 
