@@ -72,7 +72,8 @@ class Calls:
     async def _call(self, seconds: float | None, function: Callable[[], T]) -> T:
         future = asyncio.get_running_loop().run_in_executor(self._threads, function)
         try:
-            value = await asyncio.wait_for(future, seconds)
+            async with asyncio.timeout(seconds):  # wait_for of Python 3.11 loses a cancellation that meets the answer
+                value = await future
         except exc.IntegrityError:
             raise  # an answer, too
         except (exc.OperationalError, exc.InterfaceError, exc.InternalError, exc.TimeoutError, TimeoutError, OSError) as error:

@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 OPEN_SECONDS = 1.0
 """Pause before opening a store that could not be opened is tried again."""
 
+CANCEL_SECONDS = 0.5
+"""Pause before what keeps the store is told again to end."""
+
 WATCH_SECONDS = 0.1
 """Pause between two looks at whether jobs that run here were dismissed elsewhere."""
 
@@ -113,9 +116,11 @@ class Keeper:
         try:
             yield
         finally:
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+            while not all(task.done() for task in tasks):
+                # a cancellation that meets the end of what it waits for can be lost: it is said again until it is heard
+                for task in tasks:
+                    task.cancel()
+                await asyncio.wait(tasks, timeout=CANCEL_SECONDS)
             await asyncio.to_thread(self._close)
 
     # the life of the store

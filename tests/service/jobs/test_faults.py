@@ -92,7 +92,8 @@ def test_without_its_store_the_service_serves_everything_else(tmp_path: Path) ->
         sync = server.client.post("/v1/mat", content=b'{"name": "sync"}', headers={"Content-Type": "application/json"})
         assert sync.json() == {"did": {"name": "sync"}}
         refused = [server.post({}), server.client.post("/v1/batches", content=b"{}\n", headers=LINES)]
-        refused += [server.client.get("/v1/jobs"), server.client.get("/v1/jobs/x"), server.client.delete("/v1/jobs/x")]
+        some = f"/v1/jobs/{'0' * 32}"
+        refused += [server.client.get("/v1/jobs"), server.client.get(some), server.client.delete(some)]
         for response in refused:
             assert (response.status_code, response.json()["code"]) == (503, "store-unavailable")
             assert response.headers["retry-after"] == str(ERRORS["store-unavailable"].retry_after_seconds)
