@@ -33,6 +33,8 @@ taken from the middle outwards in pairs, and |.| the norm |(x, y)| + |r|.
    q = D_K / D_{K-2}:    |W (h - p_K)| <= D_K (q + q^2 + ...) = D_K q / (1 - q).
    q is kept between FAST, what is less may be chance, and SLOW: where corrections are not seen to fall (rounding, a joint
    of the boundary that shows), those to come are taken for nine times the last one in all.
+3. Discs between the strips of an interval are known exactly, and no check stands there. A bound that is less than what F misses
+   one of them by rests on a wrong assumption; it is not believed (`refuted`).
 
 The norm bounds both the distance in (x, y, r) and | |distance of (x, y) to the boundary| - r |: the boundary's distance
 changes by no more than the centre moves. Rounding is added where pieces become segments (`assemble`).
@@ -372,6 +374,22 @@ def attempt(
     if not worst <= tolerance:
         return worst
     return _bound(samples, m, misses, points)
+
+
+@inner
+def refuted(
+    disc: Floats, strip_i: Ints, ends: Floats, m: int, bound: float, samples: Floats, spare: int, hermite: Floats,
+    newton: Floats, misses: Floats, steps: Floats,
+) -> bool:
+    """Whether the fit misses a disc between the interval's strips by more than its bound."""
+    first = int(ends[0, I_ROW])
+    for w in range(first, int(ends[1, I_ROW])):
+        samples[spare, 0] = steps[w + 1 - first, PLAN_T]
+        for c in range(3):
+            samples[spare, 1 + c] = disc[strip_i[w, 3], c]
+        if _miss(samples, spare, m, hermite, newton, misses, 0) > bound + AXIS_ROUNDING:
+            return True
+    return False
 
 
 @inner

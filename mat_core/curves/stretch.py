@@ -33,6 +33,7 @@ from mat_core.curves.interval import (
     WAY_SITE,
     attempt,
     plan,
+    refuted,
     sample,
     sample_at,
     write_fit,
@@ -65,6 +66,7 @@ BESIDE = 0.08  # of the wanted length, from a disc between strips: the piece end
 WORTH = 1.15  # times as long: what a longer piece must be hoped to be, to be tried
 TRIES = 2  # longer pieces tried
 MAX_GROWTH = 4.0  # times as long: what an error lets one hope for at most
+DOUBTED = 2.0  # times the tolerance: the error of a piece whose bound is refuted, as far as it decides where to end it
 TOWARDS = 0.75  # most of the way to an end that was too far
 
 
@@ -207,11 +209,15 @@ def _try(
     tolerance: float, samples: Floats, hermite: Floats, newton: Floats, misses: Floats, points: Floats, steps: Floats,
 ) -> tuple[bool, float]:
     """(whether the plan runs evenly, the bound within the tolerance or about the error) of a piece over the interval."""
+    spare = 2 * m + 3
     if int(ends[1, I_ROW]) - int(ends[0, I_ROW]) >= MAX_STRIPS:
         return False, math.inf
-    if not plan(si, sf, cp, way_i, way_f, disc, strip_i, ends, samples, 2 * m + 3, steps):
+    if not plan(si, sf, cp, way_i, way_f, disc, strip_i, ends, samples, spare, steps):
         return False, math.inf
-    return True, attempt(si, sf, cp, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses, points, steps)
+    error = attempt(si, sf, cp, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses, points, steps)
+    if error <= tolerance and refuted(disc, strip_i, ends, m, error, samples, spare, hermite, newton, misses, steps):
+        error = DOUBTED * tolerance
+    return True, error
 
 
 @inner
