@@ -53,8 +53,8 @@ def document(axis: MedialAxis, samples: bool = False) -> dict[str, Any]:
     return content
 
 
-def about(axis: MedialAxis) -> dict[str, Any]:
-    """What goes with everything that is found from an axis: certificate, figures of the domain, version."""
+def about(axis: MedialAxis, **versions: str) -> dict[str, Any]:
+    """What goes with everything that is found from an axis: certificate, figures of the domain, all versions."""
     from mat_core import __version__
 
     return {
@@ -65,17 +65,19 @@ def about(axis: MedialAxis) -> dict[str, Any]:
             "loops": len(axis.domain.arrays.loop_start) - 1,
             "edges": len(axis.domain.arrays.degree),
         },
-        "version": {"algorithm": __version__},
+        "version": {"algorithm": __version__, **versions},
     }
 
 
-def encode(axis: MedialAxis, samples: bool = False) -> bytes:
+def encode(axis: MedialAxis, samples: bool = False, **versions: str) -> bytes:
     """The answer as UTF-8 JSON; never with NaN or Infinity.
 
     Parameters
     ----------
     axis : MedialAxis
     samples : bool
+    **versions : str
+        Of what else had a part in the answer, by name, for its member ``version``.
 
     Returns
     -------
@@ -83,7 +85,7 @@ def encode(axis: MedialAxis, samples: bool = False) -> bytes:
     """
     ends = _node_names(axis.runs.start_node), _node_names(axis.runs.end_node)
     segments = _segments(axis, ends, _samples(axis) if samples else [b""] * len(ends[0]))
-    return b'{"segments":[%b],"graph":%b,%b' % (b",".join(segments), _graph(axis, ends), _text(about(axis))[1:])
+    return b'{"segments":[%b],"graph":%b,%b' % (b",".join(segments), _graph(axis, ends), _text(about(axis, **versions))[1:])
 
 
 def _segments(axis: MedialAxis, ends: tuple[list[bytes], list[bytes]], sampled: list[bytes]) -> list[bytes]:

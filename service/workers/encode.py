@@ -19,6 +19,7 @@ import orjson
 from numpy.typing import NDArray
 
 from service.compression import LEAST_BYTES, compress
+from service.workers.safe_json import loads
 
 ROUNDED = frozenset(
     ("bbox", "control_points", "control_values", "coordinates", "end", "point", "points", "radii", "radius", "start")
@@ -39,13 +40,13 @@ def text(document: Any) -> bytes:
     return orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY)
 
 
-def encode(document: dict[str, Any], form: str, digits: int | None, size: float) -> bytes:
-    """The document as bytes.
+def encode(document: bytes, form: str, digits: int | None, size: float) -> bytes:
+    """The document as it leaves.
 
     Parameters
     ----------
-    document : dict
-        Of plain values and arrays.
+    document : bytes
+        As JSON.
     form : str
         msgpack, or one of the kinds of JSON.
     digits : int or None
@@ -54,8 +55,8 @@ def encode(document: dict[str, Any], form: str, digits: int | None, size: float)
         The larger side of the domain, which the digits refer to.
     """
     if digits is None and form != "msgpack":
-        return text(document)
-    plain = orjson.loads(text(document))  # msgpack is that of the JSON document: no NaN, no arrays, the same numbers
+        return document
+    plain = loads(document)
     if digits is not None:
         plain = rounded(plain, digits, size)
     return msgpack.packb(plain) if form == "msgpack" else text(plain)

@@ -18,8 +18,8 @@ from typing import Any
 import mat_core
 from mat_core.analysis.arguments import read_arguments
 from mat_core.analysis.operations import OPERATIONS, Operation, Result
+from mat_core.formats import json_document
 from mat_core.formats.dxf import to_dxf
-from mat_core.formats.json_document import about
 from mat_core.formats.svg import render_result
 from service import __version__
 from service.errors import RequestError
@@ -229,8 +229,11 @@ def _encode_axis(axis: mat_core.MedialAxis, order: dict[str, Any], samples: bool
         return axis.to_svg().encode()
     if form == "dxf":
         return axis.to_dxf().encode()
-    document = axis.to_geojson() if form == "geojson" else _versioned(axis.to_dict(samples=samples))
-    return encode.encode(document, form, order.get("precision"), axis.domain.size)
+    if form == "geojson":
+        text = encode.text(axis.to_geojson())
+    else:
+        text = json_document.encode(axis, samples, service=__version__)
+    return encode.encode(text, form, order.get("precision"), axis.domain.size)
 
 
 def _encode_result(
@@ -240,18 +243,13 @@ def _encode_result(
     form = order["format"]
     if form in ("json", "msgpack"):
         asked = {"operation": operation.name, "arguments": arguments}
-        document = {**asked, "result": result.to_dict(), **_versioned(about(axis))}
-        return encode.encode(document, form, order.get("precision"), axis.domain.size)
+        document = {**asked, "result": result.to_dict(), **json_document.about(axis, service=__version__)}
+        return encode.encode(encode.text(document), form, order.get("precision"), axis.domain.size)
     assert operation.paths is not None, "only what has curves is offered as a drawing"
     paths = operation.paths(result)
     if form == "dxf":
         return to_dxf(axis, paths, operation.name).encode()
     return render_result(axis, paths, operation.name, fill=operation.encloses).encode()
-
-
-def _versioned(document: dict[str, Any]) -> dict[str, Any]:
-    """The document with the version of the service in it."""
-    return {**document, "version": {**document["version"], "service": __version__}}
 
 
 def _read(
