@@ -41,6 +41,12 @@ from typing import Any
 
 MEDIA_TYPE = "application/problem+json"
 
+TYPE = "urn:mat:problem:"
+"""How the type of a problem begins; its code follows."""
+
+PROBLEM_LINE = f'{{"type":"{TYPE}'.encode()
+"""How a result line of a batch begins that is a problem document."""
+
 OGC = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0"
 """Where OGC API - Processes has the types of problems that it knows."""
 
@@ -111,7 +117,7 @@ class RequestError(Exception):
         """The problem document; ``problems`` is always there, empty where it does not apply."""
         kind = ERRORS[self.code]
         document = {
-            "type": kind.uri or f"urn:mat:problem:{self.code}",
+            "type": kind.uri or f"{TYPE}{self.code}",
             "title": kind.title,
             "status": kind.status,
             "detail": self.detail,

@@ -29,6 +29,7 @@ from tqdm import tqdm
 from service.cli import files
 from service.cli.exits import FAILED, OK, SOME_FAILED, USAGE, Failure, tell
 from service.cli.request import additions, header, with_additions
+from service.errors import PROBLEM_LINE
 from service.settings import InvalidSetting, Settings
 from service.workers.pool import Pool
 
@@ -42,9 +43,6 @@ CHUNK_BYTES = 1 << 20
 AHEAD = 4
 """Chunks under way for each worker: while one long domain holds up the order of the output, the other workers go on."""
 
-PROBLEM = b'{"type":"urn:mat:problem:'
-"""How a result line begins that is a problem document."""
-
 
 @dataclass(slots=True)
 class Tally:
@@ -56,7 +54,7 @@ class Tally:
     def add(self, results: list[bytes]) -> None:
         """Count result lines."""
         self.lines += len(results)
-        self.failed.update(orjson.loads(line)["code"] for line in results if line.startswith(PROBLEM))
+        self.failed.update(orjson.loads(line)["code"] for line in results if line.startswith(PROBLEM_LINE))
 
     def __str__(self) -> str:
         kinds = ", ".join(f"{count} {code}" for code, count in self.failed.most_common())

@@ -18,7 +18,7 @@ from typing import Any, ParamSpec, TypeVar, cast
 
 import orjson
 
-from service.errors import RequestError
+from service.errors import PROBLEM_LINE, RequestError
 from service.jobs.blobs import Blobs
 from service.jobs.calls import Calls
 from service.jobs.port import Job, StoreUnavailable
@@ -45,9 +45,6 @@ MESSAGE_CHARACTERS = 300
 
 WRITE_BYTES = MIB
 """Of result lines that are held before they are written."""
-
-PROBLEM = b'{"type":"urn:mat:problem:'
-"""How the result line of a domain that failed begins."""
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -158,7 +155,7 @@ class Work:
         results = self._pool.lines(self._header(job), body, first=chunk.first, deadline_seconds=seconds)
         async with contextlib.aclosing(cast("AsyncGenerator[bytes, None]", results)):
             async for line in results:
-                failed += line.startswith(PROBLEM)
+                failed += line.startswith(PROBLEM_LINE)
                 waiting += (line, b"\n")
                 waiting_bytes += len(line) + 1
                 if waiting_bytes > WRITE_BYTES:
