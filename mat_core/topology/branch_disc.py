@@ -49,6 +49,7 @@ STEEP = 0.01  # radii between two contacts, within which phi of one seen from th
 BESIDE = 1e-4  # radii between a contact and an end of a site, within which the two look alike from afar
 LEVER = 1e4  # a step this many times what it mends goes where two contacts that nearly are one leave the disc free
 SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
+AS_WIDE = 0.5  # of the distance of the contacts of a disc, which the feet of one that stands for it must keep
 PARALLEL = 1e-7  # determinant of three contact directions below which a disc is not polished
 
 
@@ -353,6 +354,7 @@ def adopt(si, sf, cp, site, s, lo, hi, w_i, k, left, right, disc, d):
     """Make disc d of arcs 0, left, right one that closes these, if that touches all three as well as coordinates tell.
 
     Three neighbouring edges of a polygon of 100,000 tell the radius of their disc to 1e-8 only: it may lie beyond the centre.
+    Where its feet run together, at a vertex between the three, say, that they are touched tells nothing.
     """
     near = STEEP * disc[d, 2]
     for m in range(1, 3):
@@ -364,11 +366,16 @@ def adopt(si, sf, cp, site, s, lo, hi, w_i, k, left, right, disc, d):
         x = disc[closing, 0]
         y = disc[closing, 1]
         miss = 0.0
+        as_wide = True
+        first = _foot(si, sf, cp, site[0], s[0], lo[0], hi[0], x, y)
         for m in range(3):
             foot = _foot(si, sf, cp, site[m], s[m], lo[m], hi[m], x, y)
             dx, dy, tx, ty, curvature, speed = evaluate(si, sf, cp, site[m], foot, x, y)
             miss = max(miss, abs(math.sqrt(dx * dx + dy * dy) - disc[closing, 2]))
-        if miss <= SETTLED:
+            if m > 0:
+                wide = _apart_sq(si, sf, cp, site[0], first, site[m], foot)
+                as_wide &= wide >= AS_WIDE * AS_WIDE * _apart_sq(si, sf, cp, site[0], s[0], site[m], s[m])
+        if miss <= SETTLED and as_wide:
             disc[d, 0] = x
             disc[d, 1] = y
             disc[d, 2] = disc[closing, 2]
