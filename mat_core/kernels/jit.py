@@ -23,6 +23,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import config
+from numba.core.base import BaseContext
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.types.functions import BaseFunction
 from numba.core.types.misc import unliteral
@@ -147,16 +148,30 @@ def _resolve_once(function: Any, context: Any, args: Any, kws: Any) -> Any:
     return _resolved[key]
 
 
+_contexts: Any = BaseContext
+_find_anew = _contexts.get_function
+
+
+def _find_but_arrays(context: Any, function: Any, signature: Any, _firstcall: bool = True) -> Any:
+    """The compiler's own answer, but for what makes an array of something like one: arrays are all that kernels know.
+
+    The compiler asks for that at every index of every array, in vain, and looks for new declarations before it gives up.
+    """
+    if function == "__array__":
+        raise NotImplementedError(function)
+    return _find_anew(context, function, signature, _firstcall)
+
+
 @contextmanager
 def _operators_remembered() -> Iterator[None]:
-    """While one of our kernels is compiled, and by no other thread, operators are resolved through `_resolve_once`."""
+    """While one of our kernels is compiled, and by no other thread, operators are resolved through the functions above."""
     with global_compiler_lock:
-        before = _functions.get_call_type
-        _functions.get_call_type = _resolve_once
+        before = _functions.get_call_type, _contexts.get_function
+        _functions.get_call_type, _contexts.get_function = _resolve_once, _find_but_arrays
         try:
             yield
         finally:
-            _functions.get_call_type = before
+            _functions.get_call_type, _contexts.get_function = before
 
 
 def _remember_operators(compiled: Any) -> None:

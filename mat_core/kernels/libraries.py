@@ -4,7 +4,8 @@ Numba makes machine code of every function and copies into it that of all functi
 is optimised and translated again for each. Here a kernel that only kernels call stays as LLVM's intermediate code; the ones that
 Python calls take in what they reach, and only these are optimised as a whole and translated. That saves a third of a first start
 and three quarters of what is kept on disk. The passes that kernels have no use for (closures, array expressions, loops to unroll,
-functions to put in before types are known) are a tenth more.
+functions to put in before types are known) are a tenth more; so is the lifetime of variables, which the others compute after each
+step and mark in the code so that references can be counted: nothing in a kernel counts references.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ from typing import Any
 import llvmlite.binding as llvm
 from numba.core.codegen import CodeLibrary, JITCodeLibrary
 from numba.core.compiler import CompilerBase
-from numba.core.compiler_machinery import PassManager
-from numba.core.typed_passes import IRLegalization, NativeLowering, NoPythonBackend, NopythonTypeInference, PreLowerStripPhis
+from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.ir_utils import build_definitions
+from numba.core.ssa import reconstruct_ssa
+from numba.core.typed_passes import NativeLowering, NoPythonBackend, NopythonTypeInference, PreLowerStripPhis
 from numba.core.untyped_passes import (
     DeadBranchPrune,
     FixupArgs,
@@ -26,6 +29,34 @@ from numba.core.untyped_passes import (
     TranslateByteCode,
 )
 
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class SingleAssignment(ReconstructSSA):  # type: ignore[misc]
+    """Numba's own pass without lifetimes."""
+
+    _name = "single_assignment"
+
+    def run_pass(self, state: Any) -> bool:
+        """Each variable is assigned once."""
+        state.func_ir = reconstruct_ssa(state.func_ir)
+        self._patch_locals(state)
+        state.func_ir._definitions = build_definitions(state.func_ir.blocks)
+        return True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class StripPhis(PreLowerStripPhis):  # type: ignore[misc]
+    """Numba's own pass without lifetimes."""
+
+    _name = "strip_phis_only"
+
+    def run_pass(self, state: Any) -> bool:
+        """Values that depend on the way taken are assigned at the end of each way."""
+        state.func_ir = self._strip_phi_nodes(state.func_ir)
+        state.func_ir._definitions = build_definitions(state.func_ir.blocks)
+        return True
+
+
 PASSES = (
     TranslateByteCode,
     FixupArgs,
@@ -33,16 +64,32 @@ PASSES = (
     RewriteSemanticConstants,
     DeadBranchPrune,
     GenericRewrites,
-    ReconstructSSA,
+    SingleAssignment,
     NopythonTypeInference,
-    PreLowerStripPhis,
-    IRLegalization,
+    StripPhis,
     NativeLowering,
     NoPythonBackend,
 )
 
 
-class InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
+class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """Intermediate code of one kernel, tidied before it is put together with others; nothing in it counts references."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        """Variables out of memory, and instructions and branches that do nothing taken out.
+
+        What is left to do is done when the whole is optimised, once; all passes on each function before that cost an eighth
+        of a first start and change nothing in the end.
+        """
+        ll_module.data_layout = self._codegen._data_layout
+        passes = llvm.create_new_module_pass_manager()
+        passes.add_sroa_pass()
+        passes.add_instruction_combine_pass()
+        passes.add_simplify_cfg_pass()
+        passes.run(ll_module, self._codegen._pass_builder())
+
+
+class InnerLibrary(KernelLibrary):
     """A kernel that only kernels call: intermediate code without an address."""
 
     def finalize(self) -> None:
@@ -67,7 +114,7 @@ class _Nowhere:
         """Kernels never raise, and nothing else would look for it."""
 
 
-class EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
+class EntryLibrary(KernelLibrary):
     """A kernel that Python calls, with everything it reaches."""
 
     _bitcode: bytes | None = None
@@ -77,6 +124,14 @@ class EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
         """Take in all inner kernels it reaches, optimise the whole and translate it."""
         self._linking_libraries = reached(self)
         super().finalize()
+
+    def _optimize_final_module(self) -> None:
+        """The usual passes of LLVM, once: there are no counts of references to gather first.
+
+        Loops over a handful of coefficients stay as they are: as vectors they cost a tenth of these passes and gain nothing.
+        """
+        builder = self._codegen._pass_builder(loop_vectorize=False)
+        builder.getModulePassManager().run(self._final_module, builder)
 
     def get_pointer_to_function(self, name: str) -> int:
         """Address of a function in it, by its mangled name."""

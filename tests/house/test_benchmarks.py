@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
+from benchmarks import shapes
 from benchmarks.growth import Family
 from benchmarks.peers import exports
 from benchmarks.peers.aims import reached
@@ -25,6 +26,14 @@ def test_large_shapes_are_valid_and_as_large_as_asked(name: str) -> None:
     domain = Domain.from_dict(shaped)
     assert 0.75 * 500 <= len(domain.arrays.degree) <= 1.25 * 500
     assert shaped == LARGE[name](500)
+
+
+@pytest.mark.parametrize("seed", [7, 16, 18, 26])
+def test_a_coastline_does_not_cross_itself_however_rough(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    # sides that stay where they are may still be crossed by those that do not
+    monkeypatch.setattr(shapes, "ROUGHNESS", 2.0)
+    ring = [edge["control_points"][0] for edge in shapes.coastline(200, seed)["outer"]]
+    assert shapely.LinearRing(ring).is_simple
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
