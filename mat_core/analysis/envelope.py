@@ -92,6 +92,12 @@ class Envelope:
         v = np.linspace(0.0, 1.0, DISCS)
         return self._frames(np.full(DISCS, item), v)[0]
 
+    def headings(self, item: int, v: Floats, side: float) -> Floats:
+        """Where the boundary goes on one side, in the direction of t: unit vectors (n, 2) at v of an item."""
+        _, d, _, root, _ = self._frames(np.full(len(v), item), v)
+        e = _normals(d, root, side)
+        return side * np.column_stack((-e[:, 1], e[:, 0]))
+
     def _fit(self, side: float, tolerance: float) -> Fits:
         return fit(lambda i, v: self._side(i, v, side)[0], lambda i, v: self._side(i, v, side)[1],
                    len(self.items.piece), tolerance, noise=WANDER)
@@ -197,9 +203,7 @@ class Envelope:
     def _side(self, item: Ints, v: Floats, side: float) -> tuple[Floats, Floats]:
         """p and dp/dv on one side."""
         x, d, dd, root, ratio = self._frames(item, v)
-        size = d[:, 0] ** 2 + d[:, 1] ** 2
-        right = np.column_stack((d[:, 1], -d[:, 0]))
-        e = (-d[:, 2:] * d[:, :2] + (side * root)[:, None] * right) / size[:, None]
+        e = _normals(d, root, side)
         mode = self.items.mode[item]
         ahead = np.where(mode == FROM_END, 1.0 - v, v)
         width = (self.items.t1 - self.items.t0)[item]
@@ -209,6 +213,13 @@ class Envelope:
         swing = np.divide(bend, ratio, out=np.zeros_like(bend), where=ratio > 0.0)
         along = side * (root * rate - x[:, 2] * swing)
         return x[:, :2] + x[:, 2:] * e, along[:, None] * np.column_stack((-e[:, 1], e[:, 0]))
+
+
+def _normals(d: Floats, root: Floats, side: float) -> Floats:
+    """e on one side."""
+    right = np.column_stack((d[:, 1], -d[:, 0]))
+    e: Floats = (-d[:, 2:] * d[:, :2] + (side * root)[:, None] * right) / (d[:, 0] ** 2 + d[:, 1] ** 2)[:, None]
+    return e
 
 
 def _pointed(q: Floats, speed_sq: float) -> bool:
