@@ -108,13 +108,15 @@ class Envelope:
         rows = self.rows
         span = np.hypot(rows[:, -1, 0] - rows[:, 0, 0], rows[:, -1, 1] - rows[:, 0, 1])
         items: list[tuple[int, float, float, int]] = []
+        centres = self._centres()
         nested = self._nested(span - np.abs(rows[:, -1, 2] - rows[:, 0, 2]))
         for p, n in enumerate(self.degree.tolist()):
             if nested[p] or (not span[p] > self.least[p] and not self._bulges(p)):
                 continue
             leg = (n * (rows[p, 1, :2] - rows[p, 0, :2]), n * (rows[p, n, :2] - rows[p, n - 1, :2]))
             free = bool((rows[p, :, 3] == 1.0).all())
-            start, end = (free and _pointed(q[p][::way], float((leg[k] ** 2).sum())) for k, way in ((0, 1), (1, -1)))
+            start, end = (free and (p, k) in centres and _pointed(q[p][::way], float((leg[k] ** 2).sum()))
+                          for k, way in ((0, 1), (1, -1)))
             if start and end:
                 items += [(p, 0.0, 0.5, FROM_START), (p, 0.5, 1.0, FROM_END)]
             else:
@@ -122,6 +124,15 @@ class Envelope:
         columns = list(zip(*items, strict=True)) or [(), (), (), ()]
         return Items(np.array(columns[0], dtype=np.int64), np.array(columns[1], dtype=float),
                      np.array(columns[2], dtype=float), np.array(columns[3], dtype=np.int64))
+
+    def _centres(self) -> set[tuple[int, int]]:
+        """(piece, 0 at its start or 1 at its end) at centres of curvature: a flat corner, also, has a Q of nearly 0."""
+        curves, runs = self.axis.curves, self.axis.runs
+        found = set()
+        for nodes, pieces, end in ((runs.start_node, curves.part_start[:-1], 0), (runs.end_node, curves.part_start[1:] - 1, 1)):
+            own = (nodes >= 0) & (runs.node_kind[nodes] == CURVATURE_CENTER)
+            found |= {(int(p), end) for p in pieces[own]}
+        return found
 
     def _nested(self, beyond: Floats) -> Flags:
         """Pieces beside a centre of curvature whose discs lie inside the one that the first of them starts with, but for errors.
