@@ -130,8 +130,8 @@ class Envelope:
         curves, runs = self.axis.curves, self.axis.runs
         found = set()
         for nodes, pieces, end in ((runs.start_node, curves.part_start[:-1], 0), (runs.end_node, curves.part_start[1:] - 1, 1)):
-            own = (nodes >= 0) & (runs.node_kind[nodes] == CURVATURE_CENTER)
-            found |= {(int(p), end) for p in pieces[own]}
+            ended = nodes >= 0  # a closed segment has no end
+            found |= {(int(p), end) for p in pieces[ended][runs.node_kind[nodes[ended]] == CURVATURE_CENTER]}
         return found
 
     def _nested(self, beyond: Floats) -> Flags:
