@@ -80,10 +80,10 @@ def follow(pieces: list[Floats], more: list[Floats], heading: Floats) -> None:
         if ahead[-1] <= LEAST:
             break
         crossed = _zeros(ahead)
+        last = pieces.pop()
         if crossed:
-            pieces[-1] = split(pieces[-1], crossed[-1])[0]
+            pieces.append(split(last, crossed[-1])[0])
             break
-        pieces.pop()
     pieces.extend(more)
 
 
