@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,8 @@ from mat_core.kernels.layout import EDGE, FAN, KIND, LOOP
 from mat_core.kernels.nurbs import spline_points
 from mat_core.lengths import curve_lengths
 from mat_core.model.domain import Domain
+from mat_core.records import CurveTable, Footpoint, Graph, Node, NodeFeet, Point, Samples
+from mat_core.sampling import spaced_parameters
 from mat_core.segment import SEGMENT_KINDS, Segment
 from mat_core.topology.graph import NODE_KINDS, AxisGraph
 from mat_core.topology.skeleton import Skeleton
@@ -26,172 +28,9 @@ from mat_core.tracing.locate import feet, locate
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Point = tuple[float, float]
+__all__ = ["SEGMENT_KINDS", "CurveTable", "Footpoint", "Graph", "MedialAxis", "Node", "Point", "Samples", "Segment"]
 
-__all__ = ["SEGMENT_KINDS", "CurveTable", "Footpoint", "Graph", "MedialAxis", "Node", "Samples", "Segment"]
-
-SAMPLES = 17  # points sampled on a segment when no step is asked for
 NOTEBOOK_WIDTH = 480  # pixels
-CLOSE_CURVE = 0.1  # of the spacing of samples: a curve this near to the axis stands for it where they are spaced
-T_ROUNDING = 1e-14  # samples of parameters nearer than this are not told apart
-
-
-class CurveTable(NamedTuple):
-    """The curves of all segments as flat arrays; normalised coordinates.
-
-    degree (G,) and kind (G,), an index into `SEGMENT_KINDS`. Segment g has the knots
-    knots[knot_start[g]:knot_start[g + 1]], from 0 to 1, and the rows cp[cp_start[g]:cp_start[g + 1]]: x, y, r, weight
-    (not multiplied by it). max_error (G,): a bound, see `Segment.max_error`. Pieces: part_start (G + 1,); part_i (P, 4):
-    segment, strip, side, kind; part_f (P, 4): t0, t1 and the parameters s0, s1 at them on the strip's right site
-    (side 0) or left site (side 1). One polynomial may go through several pieces: a knot stands only where it ends.
-    """
-
-    degree: Ints
-    kind: Ints
-    knot_start: Ints
-    knots: Floats
-    cp_start: Ints
-    cp: Floats
-    max_error: Floats
-    part_start: Ints
-    part_i: Ints
-    part_f: Floats
-
-    @property
-    def part_segment(self) -> Ints:
-        """Segment of each piece, (P,)."""
-        return self.part_i[:, 0]
-
-    @property
-    def part_strip(self) -> Ints:
-        """Strip of each piece, (P,)."""
-        return self.part_i[:, 1]
-
-    @property
-    def part_t(self) -> Floats:
-        """(t0, t1) of each piece, (P, 2)."""
-        return self.part_f[:, :2]
-
-
-class NodeFeet(NamedTuple):
-    """Footpoints of the nodes' discs as flat arrays; node n has those from start[n] to start[n + 1] - 1.
-
-    start (N + 1,); site (F,); points (F, 2) in the caller's coordinates; u (F,) on the input's edge; angle (F,): direction of the
-    normal, told on a normal fan only.
-    """
-
-    start: Ints
-    site: Ints
-    points: Floats
-    u: Floats
-    angle: Floats
-
-
-@dataclass(frozen=True, slots=True)
-class Footpoint:
-    """Where a maximal disc touches the boundary.
-
-    Attributes
-    ----------
-    loop : int
-        0 is the outer loop, i is ``holes[i - 1]`` of the input.
-    edge : int
-        Edge of that loop, as the input counts them.
-    u : float
-        Parameter on that edge, in the edge's own knots.
-    point : tuple of float
-        The place.
-    angle : float or None
-        At a reflex vertex, where all normals of a range start: direction of this one, in radians.
-    """
-
-    loop: int
-    edge: int
-    u: float
-    point: Point
-    angle: float | None = None
-
-    def to_dict(self) -> dict[str, Any]:
-        """As in the answer document; with the angle on a reflex vertex only."""
-        entry: dict[str, Any] = {"loop": self.loop, "edge": self.edge, "u": self.u, "point": list(self.point)}
-        if self.angle is not None:
-            entry["angle"] = self.angle
-        return entry
-
-
-@dataclass(frozen=True, slots=True)
-class Node:
-    """A leaf or branch point of the axis, with its maximal disc.
-
-    Attributes
-    ----------
-    id : int
-        Its index in `MedialAxis.nodes`.
-    kind : str
-        ``convex_vertex``, ``curvature_center``, ``arc_center``, ``branch`` or ``point``.
-    point : tuple of float
-        Centre of the disc.
-    radius : float
-        Its radius.
-    footpoints : tuple of Footpoint
-        Its contacts in cyclic order; where an arc is touched along its length, both ends of the arc.
-    """
-
-    id: int
-    kind: str
-    point: Point
-    radius: float
-    footpoints: tuple[Footpoint, ...]
-
-
-class Samples(NamedTuple):
-    """True axis points of segments, not points of their fitted curves.
-
-    t (n,); points (n, 2); radii (n,); left and right (n, 2): footpoints; left_site and right_site (n,): rows of the
-    site table; left_u, right_u (n,): the input's parameter; left_angle, right_angle (n,): direction of the normal.
-    """
-
-    t: Floats
-    points: Floats
-    radii: Floats
-    left: Floats
-    right: Floats
-    left_site: Ints
-    right_site: Ints
-    left_u: Floats
-    right_u: Floats
-    left_angle: Floats
-    right_angle: Floats
-
-
-@dataclass(frozen=True)
-class Graph:
-    """How nodes and segments hang together: the directed graph of the paper's section 6.
-
-    A depth-first walk lists nodes and segments as it meets them, and directs every segment from the node met first to the one
-    met later: so node ids are a topological order, and the directed graph has no cycle. It starts at a convex vertex. Where
-    the domain has none it starts at a curvature centre, without one at an arc centre, else (a ring with spokes of reflex
-    vertices, say) at any branch point. A segment that returns to the branch point it leaves, round a hole, has one node as
-    source and target: it alone has no direction the order could give it. A closed segment without a node is listed last, and is
-    no part of the order.
-
-    "Acyclic" is said of the directed graph alone, loops at one node left aside. The undirected one has a cycle for every hole:
-    `cycles` is its rank, segments - nodes + components.
-
-    Attributes
-    ----------
-    edges : tuple of (int, int or None, int or None)
-        (segment, source node, target node).
-    topological_order : tuple of int
-        Nodes, sources before targets, the node where the walk started first.
-    components, cycles : int
-        Of the undirected graph; closed segments count as one component with one cycle.
-    """
-
-    edges: tuple[tuple[int, int | None, int | None], ...]
-    topological_order: tuple[int, ...]
-    components: int
-    cycles: int
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -354,35 +193,7 @@ class MedialAxis:
 
         With a `step` no two neighbours on a segment are farther apart than it.
         """
-        count = np.full(len(self.curves.degree), SAMPLES)
-        if self.step is not None:
-            count = np.maximum(count, np.ceil(self.lengths / (self.step * self.domain.size)).astype(np.int64) + 1)
-        segment = np.repeat(np.arange(len(count)), count)
-        first = np.cumsum(count) - count
-        t = (np.arange(len(segment)) - first[segment]) / np.maximum(count - 1, 1)[segment]
-        # t runs only nearly in proportion to length: what is still too wide is divided until nothing is
-        while self.step is not None:
-            parts = self._parts_needed(segment, t, self.step * self.domain.size)
-            if not (parts > 1).any():
-                break
-            before = np.repeat(np.arange(len(parts)), parts - 1)
-            place = np.arange(len(before)) - np.repeat(np.cumsum(parts - 1) - (parts - 1), parts - 1) + 1
-            between = t[before] + place / parts[before] * (t[before + 1] - t[before])
-            segment, t = np.insert(segment, before + 1, segment[before]), np.insert(t, before + 1, between)
-        return segment, t
-
-    def _parts_needed(self, segment: Ints, t: Floats, spacing: float) -> Ints:
-        """Into how many parts each interval between neighbouring samples must be divided so that none is wider than `spacing`."""
-        error = float(self.curves.max_error.max(initial=0.0)) / self.table.scale
-        if error <= CLOSE_CURVE * spacing:
-            # true axis points lie within the stated error of the curve
-            points = self.evaluate(segment, t)[:, :2]
-            spacing -= 2.0 * error
-        else:
-            points = self.sample(segment, t).points
-        wide = np.hypot(*np.diff(points, axis=0).T)
-        inside = (segment[1:] == segment[:-1]) & (np.diff(t) > T_ROUNDING)
-        return np.where(inside, np.maximum(np.ceil(wide / spacing), 1.0), 1.0).astype(np.int64)
+        return spaced_parameters(self)
 
     def footpoint(self, site: int, u: float, point: Floats, angle: float) -> Footpoint:
         """The pleasant form of a footpoint; `angle` is kept on a normal fan only."""

@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from mat_core.lengths import curve_lengths
 from mat_core.model.curve import RationalBSpline
+from mat_core.records import Footpoint, Samples
 
 if TYPE_CHECKING:
-    from mat_core.axis import Footpoint, MedialAxis, Samples
+    from mat_core.axis import MedialAxis
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

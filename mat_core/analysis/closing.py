@@ -66,7 +66,10 @@ def _vertices_after(edges: list[Part]) -> list[Floats | None]:
 
 
 def _led_to(control: Floats, place: Floats) -> Floats:
-    """A Bezier cut off or drawn out along itself to where it is nearest to a place: both sides of a disc's joint meet so."""
+    """A Bezier cut off or drawn out along itself to where it is nearest to a place: both sides of a disc's joint meet so.
+
+    A slow end drawn out could turn round beyond where it ends; then, as where the place is far, the Bezier stays as it is.
+    """
     leave = (len(control) - 1) * (control[-1] - control[-2])
     speed_sq = float(leave @ leave)
     more = float((place - control[-1]) @ leave) / speed_sq if speed_sq > 0.0 else 0.0
@@ -77,4 +80,4 @@ def _led_to(control: Floats, place: Floats) -> Floats:
     for i in range(1, len(control)):
         row = row[:-1] + (1.0 + more) * (row[1:] - row[:-1])
         out[i] = row[0]
-    return out
+    return out if float((out[-1] - out[-2]) @ leave) > 0.0 else control

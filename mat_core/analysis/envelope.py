@@ -92,6 +92,12 @@ class Envelope:
         v = np.linspace(0.0, 1.0, DISCS)
         return self._frames(np.full(DISCS, item), v)[0]
 
+    def headings(self, item: int, v: Floats, side: float) -> Floats:
+        """Where the boundary goes on one side, in the direction of t: unit vectors (n, 2) at v of an item."""
+        _, d, _, root, _ = self._frames(np.full(len(v), item), v)
+        e = _normals(d, root, side)
+        return side * np.column_stack((-e[:, 1], e[:, 0]))
+
     def _fit(self, side: float, tolerance: float) -> Fits:
         return fit(lambda i, v: self._side(i, v, side)[0], lambda i, v: self._side(i, v, side)[1],
                    len(self.items.piece), tolerance, noise=WANDER)
@@ -102,13 +108,15 @@ class Envelope:
         rows = self.rows
         span = np.hypot(rows[:, -1, 0] - rows[:, 0, 0], rows[:, -1, 1] - rows[:, 0, 1])
         items: list[tuple[int, float, float, int]] = []
+        centres = self._centres()
         nested = self._nested(span - np.abs(rows[:, -1, 2] - rows[:, 0, 2]))
         for p, n in enumerate(self.degree.tolist()):
             if nested[p] or (not span[p] > self.least[p] and not self._bulges(p)):
                 continue
             leg = (n * (rows[p, 1, :2] - rows[p, 0, :2]), n * (rows[p, n, :2] - rows[p, n - 1, :2]))
             free = bool((rows[p, :, 3] == 1.0).all())
-            start, end = (free and _pointed(q[p][::way], float((leg[k] ** 2).sum())) for k, way in ((0, 1), (1, -1)))
+            start, end = (free and (p, k) in centres and _pointed(q[p][::way], float((leg[k] ** 2).sum()))
+                          for k, way in ((0, 1), (1, -1)))
             if start and end:
                 items += [(p, 0.0, 0.5, FROM_START), (p, 0.5, 1.0, FROM_END)]
             else:
@@ -116,6 +124,15 @@ class Envelope:
         columns = list(zip(*items, strict=True)) or [(), (), (), ()]
         return Items(np.array(columns[0], dtype=np.int64), np.array(columns[1], dtype=float),
                      np.array(columns[2], dtype=float), np.array(columns[3], dtype=np.int64))
+
+    def _centres(self) -> set[tuple[int, int]]:
+        """(piece, 0 at its start or 1 at its end) at centres of curvature: a flat corner, also, has a Q of nearly 0."""
+        curves, runs = self.axis.curves, self.axis.runs
+        found = set()
+        for nodes, pieces, end in ((runs.start_node, curves.part_start[:-1], 0), (runs.end_node, curves.part_start[1:] - 1, 1)):
+            ended = nodes >= 0  # a closed segment has no end
+            found |= {(int(p), end) for p in pieces[ended][runs.node_kind[nodes[ended]] == CURVATURE_CENTER]}
+        return found
 
     def _nested(self, beyond: Floats) -> Flags:
         """Pieces beside a centre of curvature whose discs lie inside the one that the first of them starts with, but for errors.
@@ -197,9 +214,7 @@ class Envelope:
     def _side(self, item: Ints, v: Floats, side: float) -> tuple[Floats, Floats]:
         """p and dp/dv on one side."""
         x, d, dd, root, ratio = self._frames(item, v)
-        size = d[:, 0] ** 2 + d[:, 1] ** 2
-        right = np.column_stack((d[:, 1], -d[:, 0]))
-        e = (-d[:, 2:] * d[:, :2] + (side * root)[:, None] * right) / size[:, None]
+        e = _normals(d, root, side)
         mode = self.items.mode[item]
         ahead = np.where(mode == FROM_END, 1.0 - v, v)
         width = (self.items.t1 - self.items.t0)[item]
@@ -209,6 +224,13 @@ class Envelope:
         swing = np.divide(bend, ratio, out=np.zeros_like(bend), where=ratio > 0.0)
         along = side * (root * rate - x[:, 2] * swing)
         return x[:, :2] + x[:, 2:] * e, along[:, None] * np.column_stack((-e[:, 1], e[:, 0]))
+
+
+def _normals(d: Floats, root: Floats, side: float) -> Floats:
+    """e on one side."""
+    right = np.column_stack((d[:, 1], -d[:, 0]))
+    e: Floats = (-d[:, 2:] * d[:, :2] + (side * root)[:, None] * right) / (d[:, 0] ** 2 + d[:, 1] ** 2)[:, None]
+    return e
 
 
 def _pointed(q: Floats, speed_sq: float) -> bool:

@@ -37,6 +37,7 @@ STALLED = 0.25  # of what it was, and more: what halving a piece leaves of an er
 ROUNDING = 4e-16  # no stated error is less
 NODES = {2: (0.18225, 0.337294, 0.5), 4: (0.09825, 0.186439, 0.2845, 0.390292, 0.5)}  # checks and nodes in turn, to the middle
 END_CHECK = 0.6  # one more check on the way from the outer one to the end
+DRIFT = 1e4  # spans may grow or shrink so much against lengths: knots of slower ends would lose their digits
 C1_DEFECT = 1e-12  # a joint whose neighbours are off their common line by more than this stays a full knot
 
 
@@ -186,13 +187,14 @@ def join(pieces: Sequence[Floats]) -> tuple[Floats, Floats, float]:
         arrive, leave = before[-1] - before[-2], after[1] - after[0]
         a, b = float(np.hypot(*arrive)), float(np.hypot(*leave))
         defect = float(np.hypot(*(arrive * b - leave * a))) / (a + b) if a > 0.0 and b > 0.0 else math.inf
-        smooth = defect <= C1_DEFECT
+        length = max(math.dist(after[0], after[-1]), ROUNDING)
+        smooth = defect <= C1_DEFECT and length < DRIFT * span * b / a and span * b / a < DRIFT * length
         if smooth:
             moved = max(moved, defect)
             span *= b / a
             control[-1] = control[-1][:-1]
         else:
-            span = max(math.dist(after[0], after[-1]), ROUNDING)
+            span = length
         knots += [u] * (n - 1 if smooth else n)
         control.append(after[1:])
         u += span

@@ -3,6 +3,7 @@
 1. Each segment gives two curves, the envelope of its discs on the right and on the left (`envelope`).
 2. Round a node the right side of an arriving segment goes on as the right side of the next one anticlockwise; at a leaf,
    as the segment's own other side.
+   A side that errors turn back along itself is cut to what runs ahead (`folds`).
 3. Where the two do not meet the disc itself lies between them, a contact along an arc: it is put in. The gap is the angle
    between both segments less their sides' own, so that also arcs of more than half a turn are told from none.
 4. Loops are measured against the domain's own edges, both ways.
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 from mat_core.analysis.closing import Part, closed
 from mat_core.analysis.distance import farthest, pieces_of
 from mat_core.analysis.envelope import Envelope
+from mat_core.analysis.folds import follow, forward
 from mat_core.analysis.outline import edge_dicts, measure
 from mat_core.analysis.parallel import QUARTER, arc_spline
 from mat_core.axis import MedialAxis
@@ -223,11 +225,11 @@ class _Rebuilder:
         return _Gap(between - own_a - own_b, 0.5 * (ends.disc[a.item, i] + ends.disc[b.item, j]))
 
     def _controls(self, side: _Side) -> list[Floats]:
-        """Beziers of one side, in the direction of the boundary."""
+        """Beziers of one side, in the direction of the boundary; none where all of it runs back."""
         fits = self.envelope.right if side.sense > 0 else self.envelope.left
         rows = fits.of(side.item)
-        control = fits.control[rows]
-        pieces = [control[k].copy() for k in range(len(control))]
+        pieces = forward([c.copy() for c in fits.control[rows]], fits.ends[rows],
+                         lambda v: self.envelope.headings(side.item, v, float(side.sense)))
         return pieces if side.sense > 0 else [piece[::-1].copy() for piece in reversed(pieces)]
 
     def _vertex(self, side: _Side) -> Floats | None:
@@ -251,20 +253,34 @@ class _Rebuilder:
         misses = np.abs(np.hypot(*(vertex - discs[:, :2]).T) - discs[:, 2])
         return vertex if misses.max() <= POINT * float(self.axis.curves.max_error.max()) else None
 
+    def _heading(self, side: _Side) -> Floats:
+        """Where the boundary goes at the start of a side."""
+        start = np.array([0.0 if side.sense > 0 else 1.0])
+        heading: Floats = side.sense * self.envelope.headings(side.item, start, float(side.sense))[0]
+        return heading
+
+    def _middle(self, side: _Side) -> Floats:
+        """Between the ends of a side that runs back as a whole: its neighbours meet there."""
+        fits = self.envelope.right if side.sense > 0 else self.envelope.left
+        control = fits.control[fits.of(side.item)]
+        middle: Floats = 0.5 * (control[0, 0] + control[-1, -1])
+        return middle
+
     def _draw(self, chain: list[_Side]) -> list[RationalBSpline]:
         """One loop of curves, ends joined."""
         edges: list[Part] = []
         smooth = False
-        vertices = [self._vertex(side) for side in chain]
+        controls = [self._controls(side) for side in chain]
+        vertices = [self._vertex(side) if control else self._middle(side) for side, control in zip(chain, controls, strict=True)]
         for i, (side, vertex) in enumerate(zip(chain, vertices, strict=True)):
             following = (i + 1) % len(chain)
             gap = self._gap(side, chain[following])
             if vertex is not None:
                 edges.append(Part([], None, vertex))
             elif smooth:
-                edges[-1].pieces.extend(self._controls(side))
+                follow(edges[-1].pieces, controls[i], self._heading(side))
             else:
-                edges.append(Part(self._controls(side), None, None))
+                edges.append(Part(controls[i], None, None))
             smooth = vertex is None and abs(gap.turn) * gap.disc[2] <= SNAP < gap.disc[2]
             smooth = smooth and vertices[following] is None
             if gap.turn * gap.disc[2] > SNAP:

@@ -17,22 +17,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.axis import CurveTable, MedialAxis
+from mat_core.axis import MedialAxis
 from mat_core.boundary.sites import SiteTable
+from mat_core.curves.bezier import raise_degree
 from mat_core.curves.conics import K_FREEFORM
 from mat_core.curves.fit import fit_strips, travel
-from mat_core.curves.interval import (
-    AXIS_ROUNDING,
-    CHEBYSHEV,
-    END_COLUMNS,
-    END_ROWS,
-    MAX_DEGREE,
-    MAX_STRIPS,
-    ROWS,
-    SAMPLE_COLUMNS,
-    SAMPLE_ROWS,
-    WAITING,
-)
+from mat_core.curves.interval import AXIS_ROUNDING, CHEBYSHEV, MAX_DEGREE, ROWS, SAMPLE_ROWS
 from mat_core.curves.pieces import (
     NO_FIT,
     NO_ROOM,
@@ -49,10 +39,12 @@ from mat_core.curves.pieces import (
     Q_T0,
     Q_T1,
 )
+from mat_core.curves.way import END_COLUMNS, END_ROWS, MAX_STRIPS, SAMPLE_COLUMNS, WAITING
 from mat_core.errors import NotCertified
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import EDGE, LOOP
 from mat_core.model.domain import Domain
+from mat_core.records import CurveTable
 from mat_core.topology.graph import AxisGraph
 from mat_core.topology.skeleton import Skeleton
 
@@ -66,36 +58,6 @@ ROUNDING = 4.5e-16  # of coordinates, the caller's: two roundings of the largest
 LEAST_SHARE = 0.5  # of the tolerance that fits must keep, when rounding takes the rest or more
 DRIFT = 64.0  # spans may grow or shrink so much against lengths; over thousands of C1 joints t would lose its digits
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
-
-
-@inner
-def raise_degree(cp: Floats, row: int, degree: int, wanted: int, out: Floats, to: int) -> None:
-    """Write a Bezier with `wanted` + 1 control points; rows are x, y, r, w (not multiplied)."""
-    for j in range(wanted + 1):
-        total = 1.0
-        for i in range(j):
-            total = total * (wanted - i) / (i + 1.0)
-        x = y = r = w = 0.0
-        for i in range(degree + 1):
-            # binomial(degree, i) binomial(wanted - degree, j - i) / binomial(wanted, j)
-            k = j - i
-            if k < 0 or k > wanted - degree:
-                continue
-            share = 1.0 / total
-            for m in range(i):
-                share = share * (degree - m) / (m + 1.0)
-            for m in range(k):
-                share = share * (wanted - degree - m) / (m + 1.0)
-            share *= cp[row + i, 3]
-            x += share * cp[row + i, 0]
-            y += share * cp[row + i, 1]
-            r += share * cp[row + i, 2]
-            w += share
-        place = to + j
-        out[place, 0] = x / w
-        out[place, 1] = y / w
-        out[place, 2] = r / w
-        out[place, 3] = w
 
 
 @inner

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.curves.interval import END_COLUMNS, I_ROW, I_S, I_TX, I_X, WAY_S0, WAY_S1, WAY_SITE
+from mat_core.curves.way import END_COLUMNS, I_ROW, I_S, I_TX, I_X, WAY_S0, WAY_S1, WAY_SITE
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import V0, V1

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.curves.conics import MAX_TURN, conic, conic_kind, is_conic, swing
-from mat_core.curves.interval import WAY_HI, WAY_LO, WAY_PARTNER, WAY_S0, WAY_S1, WAY_SITE
 from mat_core.curves.pieces import (
     MAX_PIECES,
     NO_FIT,
@@ -29,6 +28,7 @@ from mat_core.curves.pieces import (
     polygon_length,
 )
 from mat_core.curves.stretch import free_stretch
+from mat_core.curves.way import WAY_HI, WAY_LO, WAY_PARTNER, WAY_S0, WAY_S1, WAY_SITE
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import EDGE, KIND, LINE, LOOP, SPAN, SPIRAL
 from mat_core.tracing.strip import trace

@@ -47,8 +47,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.curves.way import I_ROW, I_TX, I_X, PLAN_S0, PLAN_S1, PLAN_T, sample, sample_at
 from mat_core.kernels.jit import inner
-from mat_core.tracing.strip import trace
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -56,21 +56,8 @@ Ints = NDArray[np.int64]
 MAX_DEGREE = 9
 ROWS = MAX_DEGREE + 1  # control points kept for a piece
 
-# an end of an interval: s, x, y, r, tangent, row of the way. Rows of `ends`: start and end of the interval, the end of a piece
-# that will do; of `waiting`: ends that were too far
-I_S, I_X, I_TX, I_ROW = 0, 1, 4, 7
-END_ROWS, END_COLUMNS, WAITING = 3, 8, 128
-
-# the way: where a strip is sampled. way_i: site of s, site of its partner; way_f: s at both ends, the partner's range
-WAY_SITE, WAY_PARTNER = range(2)
-WAY_S0, WAY_S1, WAY_LO, WAY_HI = range(4)
-
-# samples: tau, x, y, r, s, partner's s; rows 0 .. m - 1 nodes, from m on m + 1 checks, two more near the ends, one spare
-SAMPLE_ROWS, SAMPLE_COLUMNS = 2 * (MAX_DEGREE - 3) + 4, 6
-
-# the plan of an interval, a row for each strip it passes: tau and s at its start, tau half way in s, s at its end
-PLAN_T, PLAN_HALF, PLAN_S0, PLAN_S1 = range(4)
-MAX_STRIPS = 12  # strips that one interval may pass
+# rows of samples (`way`): 0 .. m - 1 nodes, from m on m + 1 checks, two more near the ends, one spare
+SAMPLE_ROWS = 2 * (MAX_DEGREE - 3) + 4
 
 # abscissae of checks (even) and nodes (odd) up to the middle, for 2, 4 and 6 nodes: |W| is equally large at all checks
 FRACTIONS = (0.182223, 0.337294, 0.5,
@@ -81,7 +68,6 @@ CHASE = 4  # samples to bring such a check within NEAR_ENOUGH of its abscissa
 NEAR_ENOUGH = 0.04
 MIN_GAP = 0.02  # least distance of neighbouring abscissae; below, the interpolation would be ill-conditioned
 MARGIN = 0.15  # least distance of a check from what stands beside it, relative to the distance of these; nearer, W vanishes
-MIN_HALF = 0.02  # tau half way in s, from either end; a sample nearer says little about the other half
 MIN_COSINE = 0.4  # of the angle between an end tangent and the chord; a piece that turns more is halved
 
 CHEBYSHEV = 0.5 - 0.5 * np.cos(np.pi * (np.arange(48) + 0.5) / 48.0)  # on [0, 1]
@@ -94,86 +80,6 @@ def _fraction(m: int, k: int) -> float:
     """Abscissa k = 0 .. 2 m of checks (even) and nodes (odd), for m nodes."""
     first = (m // 2) * (m // 2) - 1
     return 1.0 - FRACTIONS[first + 2 * m - k] if k > m else FRACTIONS[first + k]
-
-
-@inner
-def _share(f: float, half: float) -> float:
-    """Share of the way in s where tau is about f, when tau is `half` in the middle."""
-    return f * (1.0 - half) / (f * (1.0 - 2.0 * half) + half)
-
-
-@inner
-def along(ends: Floats, x: float, y: float, r: float) -> float:
-    """tau of a disc on the interval."""
-    ux = ends[1, I_X] - ends[0, I_X]
-    uy = ends[1, I_X + 1] - ends[0, I_X + 1]
-    ur = ends[1, I_X + 2] - ends[0, I_X + 2]
-    part = (x - ends[0, I_X]) * ux + (y - ends[0, I_X + 1]) * uy + (r - ends[0, I_X + 2]) * ur
-    return part / (ux * ux + uy * uy + ur * ur)
-
-
-@inner
-def sample(
-    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, w: int, s: float, ends: Floats,
-    samples: Floats, row: int,
-) -> None:
-    """Row of `samples` for the true axis point with footpoint s in row w of the way."""
-    x, y, r, sj, dx, dy, dr = trace(si, sf, cp, way_i[w, WAY_SITE], s, way_i[w, WAY_PARTNER], way_f[w, WAY_LO], way_f[w, WAY_HI])
-    samples[row, 0] = along(ends, x, y, r)
-    samples[row, 1] = x
-    samples[row, 2] = y
-    samples[row, 3] = r
-    samples[row, 4] = s
-    samples[row, 5] = sj
-
-
-@inner
-def plan(
-    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, disc: Floats, strip_i: Ints, ends: Floats,
-    samples: Floats, spare: int, steps: Floats,
-) -> bool:
-    """Fill `steps`, where tau runs in each strip of the interval; False when it does not run evenly enough.
-
-    The last strip's sample half way in s stands in row `spare` in any case.
-    """
-    first = int(ends[0, I_ROW])
-    last = int(ends[1, I_ROW])
-    even = True
-    before = 0.0
-    for w in range(first, last + 1):
-        s0 = ends[0, I_S] if w == first else way_f[w, WAY_S0]
-        s1 = ends[1, I_S] if w == last else way_f[w, WAY_S1]
-        after = 1.0
-        if w < last:
-            d = strip_i[w, 3]
-            after = along(ends, disc[d, 0], disc[d, 1], disc[d, 2])
-        sample(si, sf, cp, way_i, way_f, w, 0.5 * (s0 + s1), ends, samples, spare)
-        half = (samples[spare, 0] - before) / (after - before)
-        if not MIN_HALF < half < 1.0 - MIN_HALF or not after > before:
-            even = False
-        steps[w - first, PLAN_T] = before
-        steps[w - first, PLAN_HALF] = half
-        steps[w - first, PLAN_S0] = s0
-        steps[w - first, PLAN_S1] = s1
-        before = after
-    return even
-
-
-@inner
-def sample_at(
-    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, f: float, ends: Floats, samples: Floats,
-    row: int, steps: Floats,
-) -> None:
-    """Row of `samples` near tau = f, where the plan puts it."""
-    first = int(ends[0, I_ROW])
-    strips = int(ends[1, I_ROW]) - first + 1
-    k = 0
-    while k < strips - 1 and f >= steps[k + 1, PLAN_T]:
-        k += 1
-    t0 = steps[k, PLAN_T]
-    t1 = steps[k + 1, PLAN_T] if k < strips - 1 else 1.0
-    s = steps[k, PLAN_S0] + _share((f - t0) / (t1 - t0), steps[k, PLAN_HALF]) * (steps[k, PLAN_S1] - steps[k, PLAN_S0])
-    sample(si, sf, cp, way_i, way_f, first + k, s, ends, samples, row)
 
 
 @inner
@@ -390,43 +296,3 @@ def refuted(
         if _miss(samples, spare, m, hermite, newton, misses, 0) > bound + AXIS_ROUNDING:
             return True
     return False
-
-
-@inner
-def _binomial(n: int, k: int) -> float:
-    """The binomial coefficient n over k; 0 outside the triangle."""
-    if k < 0 or k > n:
-        return 0.0
-    c = 1.0
-    for i in range(k):
-        c = c * (n - i) / (i + 1.0)
-    return c
-
-
-@inner
-def write_fit(samples: Floats, m: int, hermite: Floats, newton: Floats, work: Floats, out: Floats, row: int) -> None:
-    """Bezier control points of degree m + 3: H raised in degree, plus tau^2 (1 - tau)^2 g in Bernstein form."""
-    n = m + 3
-    for j in range(n + 1):
-        total = _binomial(n, j)
-        for c in range(3):
-            value = 0.0
-            for i in range(4):
-                value += hermite[i, c] * _binomial(3, i) * _binomial(n - 3, j - i) / total
-            out[row + j, c] = value
-        out[row + j, 3] = 1.0
-    for c in range(3):
-        # Horner: g <- g (tau - tau_i) + coefficient, each time one degree higher
-        work[0] = newton[m - 1, c]
-        for i in range(m - 2, -1, -1):
-            d = m - 2 - i
-            root = samples[i, 0]
-            for j in range(d + 1, -1, -1):
-                value = 0.0
-                if j <= d:
-                    value -= (d + 1 - j) * root * work[j]
-                if j >= 1:
-                    value += j * (1.0 - root) * work[j - 1]
-                work[j] = value / (d + 1.0) + newton[i, c]
-        for i in range(m):
-            out[row + i + 2, c] += work[i] * _binomial(m - 1, i) / _binomial(n, i + 2)

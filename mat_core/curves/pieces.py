@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.curves.interval import WAY_HI, WAY_LO, WAY_PARTNER, WAY_S0, WAY_S1, WAY_SITE
+from mat_core.curves.way import WAY_HI, WAY_LO, WAY_PARTNER, WAY_S0, WAY_S1, WAY_SITE
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import FAN, KIND, LEN, SPIRAL, SWEEP
 

@@ -17,27 +17,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.curves.bezier import LOST, straight, write_fit
 from mat_core.curves.conics import K_FREEFORM
 from mat_core.curves.ends import apart, copy_end, put_disc, put_sample
-from mat_core.curves.interval import (
-    I_ROW,
-    I_S,
-    I_X,
-    MAX_STRIPS,
-    PLAN_S0,
-    PLAN_S1,
-    PLAN_T,
-    WAITING,
-    WAY_S0,
-    WAY_S1,
-    WAY_SITE,
-    attempt,
-    plan,
-    refuted,
-    sample,
-    sample_at,
-    write_fit,
-)
+from mat_core.curves.interval import attempt, refuted
 from mat_core.curves.pieces import (
     MAX_PIECES,
     NO_FIT,
@@ -52,6 +35,22 @@ from mat_core.curves.pieces import (
     lay_way,
     polygon_length,
 )
+from mat_core.curves.way import (
+    I_ROW,
+    I_S,
+    I_X,
+    MAX_STRIPS,
+    PLAN_S0,
+    PLAN_S1,
+    PLAN_T,
+    WAITING,
+    WAY_S0,
+    WAY_S1,
+    WAY_SITE,
+    plan,
+    sample,
+    sample_at,
+)
 from mat_core.kernels.jit import inner
 
 Floats = NDArray[np.float64]
@@ -59,7 +58,6 @@ Ints = NDArray[np.int64]
 
 TINY = 1e-11  # a chord this short is not cut any more, nor is an interval this short relative to the whole strip
 SHORT = 0.25  # nor is a chord this short relative to the tolerance: drawn straight it is near enough
-LOST = 1e-9  # largest error, other than the tolerance, at which cutting may end; more is a jump, not rounding
 PRUDENCE = 0.95  # of the length that an error lets one hope for: it is measured at one place only
 LEAST_CUT, MOST_CUT = 0.1, 0.9  # range of the share that a piece is shortened to
 BESIDE = 0.08  # of the wanted length, from a disc between strips: the piece ends there
@@ -68,28 +66,6 @@ TRIES = 2  # longer pieces tried
 MAX_GROWTH = 4.0  # times as long: what an error lets one hope for at most
 DOUBTED = 2.0  # times the tolerance: the error of a piece whose bound is refuted, as far as it decides where to end it
 TOWARDS = 0.75  # most of the way to an end that was too far
-
-
-@inner
-def _straight(samples: Floats, row: int, m: int, ends: Floats, out: Floats, to: int) -> float:
-    """The last resort on a tiny interval: the chord itself; returns its error.
-
-    That is how far the sample in `row` is from it, and its length where that could be a jump of the axis.
-    """
-    off = 0.0
-    dd = 0.0
-    t = min(max(samples[row, 0], 0.0), 1.0)
-    for c in range(3):
-        p = ends[0, I_X + c]
-        q = ends[1, I_X + c]
-        for k in range(m + 4):
-            f = k / (m + 3.0)
-            out[to + k, c] = (1.0 - f) * p + f * q
-            out[to + k, 3] = 1.0
-        gap = samples[row, 1 + c] - ((1.0 - t) * p + t * q)
-        off += gap * gap
-        dd += (q - p) * (q - p)
-    return max(math.sqrt(2.0 * off), math.sqrt(dd) if dd > LOST * LOST else 0.0)
 
 
 @inner
@@ -286,7 +262,7 @@ def free_stretch(
         if error < math.inf:
             write_fit(samples, m, hermite, newton, work, piece_cp, row)
         else:
-            error = _straight(samples, spare, m, ends, piece_cp, row)
+            error = straight(samples, spare, m, ends, piece_cp, row)
         if not error <= max(tolerance, LOST):
             return NO_FIT
         _record(strip_i, way_i, ends, steps, m, error, piece_i, piece_f, piece_cp, part_i, part_f, p)
