@@ -11,7 +11,8 @@ So the processors are used whatever is asked of the service, nothing keeps the w
 starves. More than N processes may run for a while; those of the long lanes give way to the others (`nursery.LOWER`).
 
 The size of a body says little: a small one may ask for a tiny step. A small request that has run for a second therefore
-becomes a long one where it is, if the long lane has room; else it is stopped, and begins again when its turn comes there.
+becomes a long one where it is, if the long lane has room; else it is stopped, and begins again when its turn comes there. It is
+refused if too many wait there: no more work is let in by small bodies than by large ones.
 
 Nothing here knows of processes. Everything runs on the event loop of one process; there is no lock because there is no
 second thread.

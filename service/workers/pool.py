@@ -234,6 +234,8 @@ class Pool:
                 again = True
                 if stopped.reason == "preempted":
                     request.lane = Lane.LONG
+                    if self._lanes.full(Lane.LONG):  # or a crowd of long requests with small bodies would wait without bound
+                        raise QueueFull from None
                 else:
                     request.unused = True
             except ChannelClosed as end:
