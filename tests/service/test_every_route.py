@@ -142,7 +142,7 @@ def test_head_is_get_without_the_body(client: TestClient, path: str) -> None:
     assert head.headers.get("etag") == whole.headers.get("etag")
 
 
-@pytest.mark.parametrize("path", set(POSTS) - set(GETS))
+@pytest.mark.parametrize("path", [path for path in POSTS if path not in GETS])
 def test_head_of_what_is_only_posted_to(client: TestClient, path: str) -> None:
     response = client.head(path)
     assert (response.status_code, response.content) == (405, b"")
