@@ -90,8 +90,9 @@ def test_states_are_read_when_they_are_asked_for(client: TestClient) -> None:
     (build,) = found["mat_build_info"]
     assert dict(build)["algorithm"] == "test"
     if os.path.exists("/proc/self/statm"):
-        assert found["mat_processes"][labels(role="nursery")] == 1
-        assert found["mat_processes"][labels(role="worker")] == idle
+        # the process of the tests may have started other servers, too
+        assert found["mat_processes"][labels(role="nursery")] >= 1
+        assert found["mat_processes"][labels(role="worker")] >= idle
         for role in ("web", "nursery", "worker"):
             assert found["mat_resident_memory_bytes"][labels(role=role)] > 1e6
 
