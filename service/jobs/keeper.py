@@ -23,6 +23,7 @@ from service.jobs.port import StoreUnavailable
 from service.jobs.store import SLICE, Store
 from service.jobs.work import Work
 from service.settings import Settings
+from service.tasks import end
 from service.workers.pool import Pool
 
 if TYPE_CHECKING:
@@ -32,9 +33,6 @@ if TYPE_CHECKING:
 
 OPEN_SECONDS = 1.0
 """Pause before opening a store that could not be opened is tried again."""
-
-CANCEL_SECONDS = 0.5
-"""Pause before what keeps the store is told again to end."""
 
 WATCH_SECONDS = 0.1
 """Pause between two looks at whether jobs that run here were dismissed elsewhere."""
@@ -116,11 +114,7 @@ class Keeper:
         try:
             yield
         finally:
-            while not all(task.done() for task in tasks):
-                # a cancellation that meets the end of what it waits for can be lost: it is said again until it is heard
-                for task in tasks:
-                    task.cancel()
-                await asyncio.wait(tasks, timeout=CANCEL_SECONDS)
+            await end(*tasks)
             await asyncio.to_thread(self._close)
 
     # the life of the store

@@ -13,8 +13,9 @@ from collections import Counter, deque
 from typing import Any, Literal, NoReturn
 
 from service.settings import Settings
+from service.tasks import end
 from service.workers.channel import Channel
-from service.workers.nursery_link import GOODBYE_SECONDS, NurseryLink
+from service.workers.nursery_link import NurseryLink
 
 RESTART_SECONDS = (0.5, 30.0)
 """First and longest pause before a nursery that ended is started again."""
@@ -254,9 +255,7 @@ class Crew:
 
 
 async def stop(supervisor: asyncio.Task[NoReturn]) -> None:
-    """Cancel a supervisor. A cancellation that meets the end of what it waits for can be lost, so it is said until heard."""
-    while not supervisor.done():
-        supervisor.cancel()
-        await asyncio.wait([supervisor], timeout=2 * GOODBYE_SECONDS)
+    """End a supervisor, and raise what it failed with."""
+    await end(supervisor)
     if not supervisor.cancelled() and (error := supervisor.exception()) is not None:
         raise error

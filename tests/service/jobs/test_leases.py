@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -10,7 +9,6 @@ import sqlalchemy as sa
 from sqlalchemy.exc import OperationalError
 
 from service.jobs import leases
-from service.jobs.engine import engine_for
 from service.jobs.leases import LEASE_SECONDS, RENEW_SECONDS, Reaper, Slot
 from service.jobs.store import Store
 from service.jobs.tables import LEASES
@@ -30,15 +28,6 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     monkeypatch.setattr(leases.time, "monotonic", made.monotonic)
     monkeypatch.setattr(Store, "now", lambda _: sa.literal(made.now))
     return made
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
-    engine = engine_for(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
-    made = Store(engine)
-    made.create_tables()
-    yield made
-    engine.dispose()
 
 
 def names(store: Store) -> set[str]:

@@ -2,26 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 import sqlalchemy as sa
 
-from service.jobs.engine import engine_for
 from service.jobs.port import StoreUnavailable
 from service.jobs.store import CHUNKS_AHEAD, Chunk, NewJob, Store
 from service.orders import Order
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
-    engine = engine_for(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
-    made = Store(engine)
-    made.create_tables()
-    yield made
-    engine.dispose()
 
 
 def nothing(*_: Any) -> None:
