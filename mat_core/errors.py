@@ -2,6 +2,7 @@
 
     MatError
     |-- InvalidDomain (also ValueError)       the input breaks rules of a valid domain: .problems, all of them
+    |-- UnreadableInput (also ValueError)     a file or text that outlines are read from is not what it should be
     |-- UnsupportedOption (also ValueError)   an option of the call is unknown or out of its range: .option
     `-- NotCertified                          an axis was found but failed its own check: .place, .certificate, .detail
 
@@ -83,6 +84,10 @@ class InvalidDomain(MatError, ValueError):
 
     def __reduce__(self) -> tuple[type[InvalidDomain], tuple[tuple[Problem, ...]]]:
         return InvalidDomain, (self.problems,)
+
+
+class UnreadableInput(MatError, ValueError):
+    """A file or text that outlines are read from is not what it should be; the message says what, and where."""
 
 
 class UnsupportedOption(MatError, ValueError):

@@ -1,8 +1,9 @@
 """The command ``mat``: solve, check and serve from a terminal, a script or a cluster's scheduler.
 
 Nothing here needs a running service. ``solve`` and ``batch`` do with a domain exactly what a POST would (`service.workers`), so
-that their answers are the same bytes; ``check`` asks only `mat_core.Domain`; ``serve`` starts the service. Everything beyond the
-standard library is imported when a command needs it: a missing extra is told in a sentence, and help is there at once.
+that their answers are the same bytes; ``check`` asks only `mat_core.Domain`; ``outlines`` reads the files that people have
+(`mat_core.outlines`); ``serve`` starts the service. Everything beyond the standard library is imported when a command needs it: a
+missing extra is told in a sentence, and help is there at once.
 """
 
 from __future__ import annotations
@@ -69,6 +70,10 @@ def _run(arguments: Sequence[str] | None) -> int:
         from service.cli.check import check
 
         return check(asked)
+    if asked.command == "outlines":
+        from service.cli.outlines import outlines
+
+        return outlines(asked)
     from service.cli.serve import serve
 
     return serve(asked)

@@ -38,6 +38,7 @@ def parser() -> argparse.ArgumentParser:
     _solve(commands.add_parser("solve", help="solve one domain"))
     _batch(commands.add_parser("batch", help="solve many domains, one a line"))
     _check(commands.add_parser("check", help="tell whether domains are valid, and all their problems if not"))
+    _outlines(commands.add_parser("outlines", help="read domains from an SVG, DXF, GeoJSON or font file"))
     _serve(commands.add_parser("serve", help="serve over HTTP; the MAT_* variables are its settings"))
     return mat
 
@@ -72,6 +73,20 @@ def _batch(command: argparse.ArgumentParser) -> None:
 def _check(command: argparse.ArgumentParser) -> None:
     command.description = "Tell whether domains are valid; nothing is solved."
     command.add_argument("input", nargs="+", help="a JSON document; - is standard input; .gz is unpacked")
+
+
+def _outlines(command: argparse.ArgumentParser) -> None:
+    command.description = (
+        "Write the domains that a file bounds, one JSON domain a line, for mat batch or for the body of a request. Curves stay"
+        " what they are. What bounds nothing is told on standard error."
+    )
+    command.add_argument("input", help="an .svg, .dxf, .geojson, .ttf, .otf, .ttc or .woff file")
+    command.add_argument("-o", "--output", default="-", help="where to write (default: standard output); .gz is packed")
+    command.add_argument("--characters", metavar="TEXT", help="fonts: which to draw, such as 'Qa&'")
+    command.add_argument("--flip", action="store_true", default=None, help="SVG: turn the y axis up")
+    command.add_argument("--layer", action="append", metavar="NAME", help="DXF: a layer to read; may be repeated (default: all)")
+    gap = _number(float, 0.0, 0.01)
+    command.add_argument("--gap", type=gap, help="DXF: join ends nearer than this fraction of the size (default: 1e-6)")
 
 
 def _serve(command: argparse.ArgumentParser) -> None:

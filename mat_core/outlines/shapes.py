@@ -1,6 +1,4 @@
-"""Loops as one writes them by hand: polygons, with corners rounded if wanted, and circles, as the edges of a JSON domain.
-
-    {"outer": polygon([(0, 0), (6, 0), (6, 4), (0, 4)], rounding=1), "holes": [circle((3, 2), 0.5)]}
+"""Loops as one writes them by hand: polygons, with corners rounded if wanted, and circles.
 
 Arcs are true arcs: rational quadratics of less than half a turn.
 """
