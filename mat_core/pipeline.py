@@ -18,6 +18,7 @@ from mat_core.certificate import certify
 from mat_core.curves.assemble import build_axis
 from mat_core.errors import NotCertified, UnsupportedOption
 from mat_core.model.domain import Domain
+from mat_core.threads import threads_allowed
 from mat_core.tolerances import LADDER, Tolerances
 from mat_core.topology.graph import build_graph
 from mat_core.topology.skeleton import Skeleton, build_skeleton
@@ -42,6 +43,7 @@ def medial_axis(
     check_step: int | None = None,
     *,
     progress: Progress | None = None,
+    threads: int | None = None,
 ) -> MedialAxis:
     """The certified medial axis transform of a domain.
 
@@ -67,6 +69,10 @@ def medial_axis(
         is exact, has no use for it.
     progress : callable, optional
         Called as each of `STAGES` begins, with its name and the share that is done. It begins again with each rung of the ladder.
+    threads : int, optional
+        How many may work on a large domain at a time; the answer does not depend on it, bit by bit. Default: the environment
+        variable MAT_CORE_THREADS, and without that all processors this process may run on. Domains of fewer than some thousand
+        edges are solved on the caller's thread alone, "march" always is up to its certificate.
 
     Returns
     -------
@@ -86,15 +92,17 @@ def medial_axis(
     with branch points found from maximal discs before anything is traced.
     """
     _check_options(tolerance, method, step, smooth_angle, check_step)
+    threads = threads_allowed(threads)
     if method == "march":
-        return _march(domain, tolerance, step, smooth_angle, check_step, progress)
+        return _march(domain, tolerance, step, smooth_angle, check_step, progress, threads)
     first: NotCertified | None = None
     for tolerances in LADDER:
         _begin(progress, "sites")
         table = build_sites(domain, min(smooth_angle, tolerances.smooth), tolerances)
         _begin(progress, "skeleton")
         try:
-            return _finish(domain, table, build_skeleton(table, tolerances), tolerance, step, tolerances, progress)
+            skeleton = build_skeleton(table, tolerances, threads)
+            return _finish(domain, table, skeleton, tolerance, step, tolerances, progress, threads)
         except NotCertified as error:
             first = first or error
     assert first is not None
@@ -108,6 +116,7 @@ def _march(
     smooth_angle: float,
     check_step: int | None,
     progress: Progress | None,
+    threads: int,
 ) -> MedialAxis:
     """The published procedure, judged as any other result."""
     tolerances = LADDER[0]
@@ -116,7 +125,7 @@ def _march(
     _begin(progress, "skeleton")
     skeleton = march(table, domain.size * table.scale, step, check_step)
     try:
-        return _finish(domain, table, skeleton, tolerance, step, tolerances, progress)
+        return _finish(domain, table, skeleton, tolerance, step, tolerances, progress, threads)
     except NotCertified as error:
         advice = f'{error.detail} (a march misses a branch that its steps pass over; use a smaller step, or method "discs")'
         raise NotCertified(advice, error.place, error.certificate) from error
@@ -130,14 +139,15 @@ def _finish(
     step: float | None,
     tolerances: Tolerances,
     progress: Progress | None,
+    threads: int,
 ) -> MedialAxis:
     """Graph, curves and certificate of a skeleton."""
     _begin(progress, "graph")
     skeleton, graph = build_graph(table, skeleton, tolerances)
     _begin(progress, "curves")
-    axis = build_axis(domain, table, skeleton, graph, tolerance, step)
+    axis = build_axis(domain, table, skeleton, graph, tolerance, step, threads)
     _begin(progress, "certificate")
-    certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain)
+    certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain, threads=threads)
     certificate["smooth_angle"] = table.smooth_angle
     if not certificate["passed"]:
         name, check = next((name, check) for name, check in certificate["checks"].items() if not check["passed"])

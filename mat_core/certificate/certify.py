@@ -52,6 +52,7 @@ from mat_core.kernels.judge import JUDGE_ROWS, JUDGE_STACK
 from mat_core.kernels.judge_boxes import MOST_NEAR, fill_boxes, leaf_order
 from mat_core.kernels.layout import DEG, XMAX, XMIN, YMAX, YMIN
 from mat_core.model.domain import Domain
+from mat_core.threads import Bounds, cut, each
 
 DANGLING, UNFIT, SOUND = 0, 1, 2  # references lead nowhere; curves cannot be evaluated; all can be looked at
 
@@ -72,6 +73,11 @@ class Boxes(NamedTuple):
     points: Floats
     near: Ints
     probe: Floats
+
+    def shared(self) -> Boxes:
+        """The same tree, with room of its own for one more thread."""
+        return Boxes(self.order, self.box, np.empty_like(self.stack), np.empty_like(self.work), self.binomial,
+                     np.empty_like(self.points), np.empty_like(self.near), np.empty_like(self.probe))
 
 
 class Room(NamedTuple):
@@ -120,8 +126,11 @@ def judge_structure(t, e, ox, oy, scale, k, g, c, boxes, room, granted, figures)
 
 
 @jit
-def judge_places(t, k, c, boxes, granted, discs, strips, runs, figures):
-    """Discs, strips and segments, each from .. to - 1: the discs handed in, those found anew in strips, and samples of curves."""
+def judge_places(t, k, c, boxes, granted, discs, strips, parts, run, figures):
+    """Discs, strips and parts of curves, each from .. to - 1: the discs handed in, those found anew in strips, and samples.
+
+    run: the segment of the first part.
+    """
     made(figures, DISCS_EMPTY)
     made(figures, PARTNERS_RIGHT)
     made(figures, PARTNERS_LEFT)
@@ -130,17 +139,20 @@ def judge_places(t, k, c, boxes, granted, discs, strips, runs, figures):
     for strip in range(strips[0], strips[1]):
         slack = max(granted[k.strip_i[strip, 2]], granted[k.strip_i[strip, 3]])
         check_partners(t, k, strip, boxes, slack, figures)
-    for run in range(runs[0], runs[1]):
+    if parts[0] < parts[1]:
         made(figures, CURVES_ON_AXIS)
         made(figures, CURVES_EMPTY)
-        for part in range(c.part_start[run], c.part_start[run + 1]):
-            strip = c.part_i[part, 1]
-            slack = max(granted[k.strip_i[strip, 2]], granted[k.strip_i[strip, 3]])
-            check_piece(t, k, c, run, part, boxes, slack, figures)
+    for part in range(parts[0], parts[1]):
+        while part >= c.part_start[run + 1]:
+            run += 1
+        strip = c.part_i[part, 1]
+        slack = max(granted[k.strip_i[strip, 2]], granted[k.strip_i[strip, 3]])
+        check_piece(t, k, c, run, part, boxes, slack, figures)
 
 
 def certify(
-    table: SiteTable, skeleton: object, graph: object, curves: object, tolerance: float, *, domain: Domain | None = None
+    table: SiteTable, skeleton: object, graph: object, curves: object, tolerance: float, *, domain: Domain | None = None,
+    threads: int = 1,
 ) -> dict[str, Any]:
     """Check an axis against its boundary.
 
@@ -159,6 +171,8 @@ def certify(
     domain : Domain, optional
         The input; with it the table itself is checked against the input's edges, and lengths are relative to its
         bounding box.
+    threads : int
+        How many may work at a time; the result does not depend on it.
 
     Returns
     -------
@@ -181,10 +195,31 @@ def certify(
     sound = judge_structure(t, e, ox, oy, table.scale, k, g, c, boxes, _room(t, k, g), granted, figures)
     if sound == DANGLING:
         return to_dict(figures, 1.0, table.origin, table.scale, tolerance)
-    runs = len(c.degree) if sound == SOUND else 0
-    judge_places(t, k, c, boxes, granted, (0, len(k.disc)), (0, len(k.strip_i)), (0, runs), figures)
+    _judge_everywhere(t, k, c, boxes, granted, sound == SOUND, figures, threads)
     size = domain.size * table.scale if domain is not None else _larger_side(table)
     return to_dict(figures, float(size), table.origin, table.scale, tolerance)
+
+
+def _judge_everywhere(
+    t: Boundary, k: Discs, c: Curves, boxes: Boxes, granted: Floats, curves: bool, figures: Figures, threads: int
+) -> None:
+    """`judge_places` for all that there is, with the curves if they can be evaluated; large domains in parts."""
+    counts = (len(k.disc), len(k.strip_i), len(c.part_i) if curves else 0)
+    shares = cut(max(counts))
+    if len(shares) == 1:
+        discs, strips, parts = ((0, count) for count in counts)
+        judge_places(t, k, c, boxes, granted, discs, strips, parts, 0, figures)
+        return
+
+    def judge(part: Bounds) -> Figures:
+        discs, strips, parts = ((min(part[0], count), min(part[1], count)) for count in counts)
+        run = int(np.searchsorted(c.part_start, parts[0], side="right")) - 1 if curves else 0
+        told = Figures.unseen()
+        judge_places(t, k, c, boxes.shared(), granted, discs, strips, parts, run, told)
+        return told
+
+    for told in each(judge, shares, threads):
+        figures.take(told)
 
 
 def boxes_for(t: Boundary, e: Edges, c: Curves) -> Boxes:

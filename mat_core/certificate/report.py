@@ -91,6 +91,12 @@ class Figures(NamedTuple):
         """None made yet."""
         return cls(np.full(len(CHECKS), UNSEEN), np.full((len(CHECKS), 2), np.nan))
 
+    def take(self, other: Figures) -> None:
+        """The larger figure of each check with its place; of equal ones it stays as it was, as in `worst`."""
+        larger = other.figure > self.figure
+        self.figure[larger] = other.figure[larger]
+        self.place[larger] = other.place[larger]
+
 
 @inner
 def made(figures, check):

@@ -21,11 +21,9 @@ from mat_core.axis import MedialAxis
 from mat_core.boundary.sites import SiteTable
 from mat_core.curves.bezier import raise_degree
 from mat_core.curves.conics import K_FREEFORM
-from mat_core.curves.fit import fit_strips, travel
-from mat_core.curves.interval import AXIS_ROUNDING, CHEBYSHEV, MAX_DEGREE, ROWS, SAMPLE_ROWS
+from mat_core.curves.fitting import fit_all
+from mat_core.curves.interval import AXIS_ROUNDING
 from mat_core.curves.pieces import (
-    NO_FIT,
-    NO_ROOM,
     P_DEGREE,
     P_ERROR,
     P_KIND,
@@ -39,10 +37,7 @@ from mat_core.curves.pieces import (
     Q_T0,
     Q_T1,
 )
-from mat_core.curves.way import END_COLUMNS, END_ROWS, MAX_STRIPS, SAMPLE_COLUMNS, WAITING
-from mat_core.errors import NotCertified
 from mat_core.kernels.jit import inner, jit
-from mat_core.kernels.layout import EDGE, LOOP
 from mat_core.model.domain import Domain
 from mat_core.records import CurveTable
 from mat_core.topology.graph import AxisGraph
@@ -169,17 +164,7 @@ def assemble_runs(
         knot_start[g + 1] = knot
 
 
-def _cannot_follow(table: SiteTable, skeleton: Skeleton, strip: int, tolerance: float) -> NotCertified:
-    """The diagnosis for a strip that was given up, at the middle of its two end discs."""
-    site_a, site_b, disc0, disc1 = (int(i) for i in skeleton.strip_i[strip])
-    middle = 0.5 * (skeleton.disc[disc0, :2] + skeleton.disc[disc1, :2]) / table.scale + table.origin
-    sides = " and ".join(f"edge {table.si[i, EDGE]} of loop {table.si[i, LOOP]}" for i in (site_a, site_b))
-    detail = (f"curves: the axis between {sides} does not lead from one of its end discs to the other, so no curve follows it "
-              f"within {tolerance / table.scale:.3g}; the discs there were probably joined or told apart wrongly")
-    return NotCertified(detail, (float(middle[0]), float(middle[1])) if np.isfinite(middle).all() else None)
-
-
-def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float) -> CurveTable:
+def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float, threads: int = 1) -> CurveTable:
     """Fit and assemble the curves of all segments.
 
     Parameters
@@ -190,6 +175,8 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
         Its runs name the strips of every segment.
     tolerance : float
         Largest error of a fitted curve in (x, y, r), in normalised units.
+    threads : int
+        How many may work at a time; the result does not depend on it.
 
     Returns
     -------
@@ -201,37 +188,13 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     NotCertified
         A strip cannot be followed: its discs and its sides do not belong together. Names the place and both sides.
     """
-    n = len(graph.run_strip)
     runs = len(graph.start_node)
     degree = _degree(tolerance)
     rounding = ROUNDING * (1.0 + float(np.abs(table.origin).max()) * table.scale)
     wanted = max(tolerance - rounding - AXIS_ROUNDING, LEAST_SHARE * tolerance)
-    room = n + 8
-    first = np.empty(n + 1, dtype=np.int64)
-    strip_i = np.empty((n, 4), dtype=np.int64)
-    strip_s = np.empty((n, 4))
-    joined = np.empty(n, dtype=np.bool_)
-    travel(table.si, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward, strip_i, strip_s,
-           joined)
-    way_i = np.empty((n, 2), dtype=np.int64)
-    way_f = np.empty((n, 4))
-    count = NO_ROOM
-    while count == NO_ROOM:
-        room *= 4
-        piece_i = np.empty((room + 1, 4), dtype=np.int64)
-        piece_f = np.empty((room, 2))
-        piece_cp = np.empty((ROWS * room, 4))
-        found_i = np.empty((room + n, 2), dtype=np.int64)
-        found_f = np.empty((room + n, 4))
-        # ends after the first growth but for curves of many pieces; at the latest at MAX_PIECES for each stretch
-        count = fit_strips(
-            table.si, table.sf, table.cp, skeleton.disc, strip_i, strip_s, joined, wanted, degree,
-            np.empty((END_ROWS, END_COLUMNS)), np.empty((WAITING, END_COLUMNS)), np.empty((SAMPLE_ROWS, SAMPLE_COLUMNS)),
-            np.empty((4, 3)), np.empty((MAX_DEGREE, 3)), np.empty((MAX_DEGREE, 3)), CHEBYSHEV, np.empty((MAX_STRIPS, 4)),
-            np.empty(ROWS), np.empty(3), np.empty(3), way_i, way_f, piece_i, piece_f, piece_cp, found_i, found_f, first)
-    if count <= NO_FIT:
-        raise _cannot_follow(table, skeleton, int(graph.run_strip[NO_FIT - count]), tolerance)
-    parts = int(piece_i[count, P_PART]) if count else 0
+    f = fit_all(table, skeleton, graph, wanted, degree, threads)
+    count = len(f.piece_f)
+    parts = len(f.part_i)
     degrees = np.empty(runs, dtype=np.int64)
     kinds = np.empty(runs, dtype=np.int64)
     max_error = np.empty(runs)
@@ -242,8 +205,8 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     part_start = np.empty(runs + 1, dtype=np.int64)
     part_i = np.empty((parts, 4), dtype=np.int64)
     part_f = np.empty((parts, 4))
-    assemble_runs(graph.run_start, graph.run_strip, graph.run_forward, first, piece_i, piece_f, piece_cp, found_i, found_f,
-                  rounding, degrees, kinds, max_error, knot_start, knots, cp_start, cp, part_start, part_i, part_f)
+    assemble_runs(graph.run_start, graph.run_strip, graph.run_forward, f.first, f.piece_i, f.piece_f, f.piece_cp, f.part_i,
+                  f.part_f, rounding, degrees, kinds, max_error, knot_start, knots, cp_start, cp, part_start, part_i, part_f)
     return CurveTable(degrees, kinds, knot_start, knots[: knot_start[-1]], cp_start, cp[: cp_start[-1]], max_error,
                       part_start, part_i, part_f)
 
@@ -256,7 +219,8 @@ def _degree(tolerance: float) -> int:
 
 
 def build_axis(
-    domain: Domain, table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float, step: float | None
+    domain: Domain, table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float, step: float | None,
+    threads: int = 1,
 ) -> MedialAxis:
     """The medial axis with its curves, still without a certificate.
 
@@ -271,10 +235,12 @@ def build_axis(
         Largest error of fitted curves, relative to the larger side of the bounding box.
     step : float or None
         Largest spacing of samples, relative to the larger side of the bounding box.
+    threads : int
+        How many may work at a time; the result does not depend on it.
 
     Returns
     -------
     MedialAxis
     """
-    curves = build_curves(table, skeleton, graph, tolerance * domain.size * table.scale)
+    curves = build_curves(table, skeleton, graph, tolerance * domain.size * table.scale, threads)
     return MedialAxis(domain, table, skeleton, graph, curves, tolerance, step)

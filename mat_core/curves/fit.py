@@ -129,21 +129,21 @@ def fit_strips(
     si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, joined: Flags, tolerance: float,
     degree: int, ends: Floats, waiting: Floats, samples: Floats, hermite: Floats, newton: Floats, misses: Floats, points: Floats,
     steps: Floats, work: Floats, p0: Floats, p2: Floats, way_i: Ints, way_f: Floats, piece_i: Ints, piece_f: Floats,
-    piece_cp: Floats, part_i: Ints, part_f: Floats, first: Ints,
+    piece_cp: Floats, part_i: Ints, part_f: Floats, first: Ints, begin: int, rows: int,
 ) -> int:
-    """Pieces of all strips, rows of `strip_i` and `strip_s` in order and direction of travel; their number or a status.
+    """Pieces of the strips in rows begin .. rows - 1, in order and direction of travel; their number or a status.
 
-    joined[w]: the strip of row w goes on where the one before ends, as smoothly as inside. The pieces of a stretch stand
-    at the first of its strips: first[w] .. first[w + 1]. `piece_cp` has room for ROWS rows (x, y, r, w) a piece. Tables are
-    one row longer than needed. NO_ROOM when they are too small, NO_FIT - w when the strips from row w on cannot be followed.
+    joined[w]: the strip of row w goes on where the one before ends, as smoothly as inside; that of row `begin` does not. The
+    pieces of a stretch stand at the first of its strips: first[w - begin] .. first[w + 1 - begin]. `piece_cp` has room for ROWS
+    rows (x, y, r, w) a piece. Tables are one row longer than needed. NO_ROOM when they are too small, NO_FIT - w when the strips
+    from row w on cannot be followed.
     """
-    rows = strip_i.shape[0]
     count = int(np.int64(0))
     piece_i[0, P_PART] = 0
     piece_i[0, P_ROW] = 0
-    w = 0
+    w = begin
     while w < rows:
-        first[w] = count
+        first[w - begin] = count
         end = w + 1
         if is_conic(si, strip_i[w, 0], strip_i[w, 1]):
             count = _conic_strip(si, sf, cp, disc, strip_i, strip_s, w, p0, p2, way_i, way_f, piece_i, piece_f, piece_cp,
@@ -151,26 +151,26 @@ def fit_strips(
         else:
             while end < rows and joined[end]:
                 end += 1
-            begin = count
+            before = count
             # a footpoint that belongs to its disc only to rounding misleads on its own side, not on the other one
             for flip in range(2):
                 count = free_stretch(si, sf, cp, disc, strip_i, strip_s, w, end, flip, tolerance, degree - 3, ends, waiting,
                                      samples, hermite, newton, misses, points, steps, work, way_i, way_f, piece_i, piece_f,
-                                     piece_cp, part_i, part_f, begin)
+                                     piece_cp, part_i, part_f, before)
                 if count != NO_FIT:
                     break
             if count == NO_FIT and end > w + 1:
                 # one after the other: most can be followed, and the one that cannot is told
                 for k in range(w + 1, end):
                     joined[k] = False
-                count = begin
+                count = before
                 continue
         if count == NO_FIT:
             return NO_FIT - w
         if count < 0:
             return NO_ROOM
         for k in range(w + 1, end):
-            first[k] = count
+            first[k - begin] = count
         w = end
-    first[rows] = count
+    first[rows - begin] = count
     return count

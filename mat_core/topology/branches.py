@@ -36,6 +36,8 @@ from mat_core.topology.split import MANY, find_split, split_face
 CLEARLY = 1e-6  # relative difference of curvatures seen across a nearly smooth corner that is no rounding
 CURVED = 8.0  # a curved arc is walked along rather than a straight one this much longer: its partners are better told apart
 
+LINK, SOLVE = 1, 2  # steps of `solve_faces`
+
 
 @inner
 def _length(si, sf, disc, w_i, w_f, arc):
@@ -170,38 +172,41 @@ def _emit_strip(strip_i, strip_s, n, site_a, a0, a1, site_b, b0, b1, disc0, disc
 
 
 @jit
-def solve_faces(si, sf, cp, tree, stack, tie, expected, owner, angle_order, next_contact, arc_hi, around_start, place_around,
-                next_arc, face_arcs, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site, contact_s, n_contacts,
-                strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first, bracket_i, bracket_f, tri_site,
-                tri_s, tri_lo, tri_hi):
-    """List the faces and resolve each into strips; returns (status, discs, contacts, strips, whole contacts, place, faces).
+def solve_faces(steps, si, sf, cp, tree, tie, faces, owner, angle_order, next_contact, arc_hi, links, room, disc, n_discs,
+                n_contacts):
+    """List the faces, resolve them into strips; returns (status, discs, contacts, strips, whole contacts, place, faces).
 
-    NOT_EULER if there are not as many as `expected`. `angle_order`: contacts by disc and around it. From `around_start` to
-    `stack_f`, and from `w_i` on, room; see `_solve_faces`.
+    steps: LINK the arcs to faces, NOT_EULER if there are not as many as `faces`; SOLVE the faces that stand in `room`; the sum of
+    both takes one after the other. `angle_order`: contacts by disc and around it. New discs are appended to the n_discs of
+    `disc`, new contacts to the n_contacts of `room`; `place` is a site near the trouble when the status is not OK.
     """
-    for d in range(n_discs + 1):
-        around_start[d] = 0
-    for place in range(n_contacts):
-        c = angle_order[place]
-        around_start[owner[c] + 1] += 1
-        place_around[c] = place
-    for d in range(n_discs):
-        around_start[d + 1] += around_start[d]
-    link_arcs(next_contact, angle_order, around_start, owner, place_around, next_arc)
-    faces = list_faces(next_arc, face_arcs, face_start)
-    if faces != expected:
-        return NOT_EULER, n_discs, n_contacts, 0, 0, 0, faces
-    for place in range(n_contacts):
-        a = face_arcs[place]
-        stack_i[place, 0] = contact_site[a]
-        stack_i[place, 1] = owner[next_contact[a]]
-        stack_f[place, 0] = contact_s[a]
-        stack_f[place, 1] = arc_hi[a]
-        disc_of[place] = owner[place]
+    if steps & LINK:
+        for d in range(n_discs + 1):
+            links.around_start[d] = 0
+        for place in range(n_contacts):
+            c = angle_order[place]
+            links.around_start[owner[c] + 1] += 1
+            links.place_around[c] = place
+        for d in range(n_discs):
+            links.around_start[d + 1] += links.around_start[d]
+        link_arcs(next_contact, angle_order, links.around_start, owner, links.place_around, links.next_arc)
+        found = list_faces(links.next_arc, links.face_arcs, room.face_start)
+        if found != faces:
+            return NOT_EULER, n_discs, n_contacts, 0, 0, 0, found
+        for place in range(n_contacts):
+            a = links.face_arcs[place]
+            room.stack_i[place, 0] = room.contact_site[a]
+            room.stack_i[place, 1] = owner[next_contact[a]]
+            room.stack_f[place, 0] = room.contact_s[a]
+            room.stack_f[place, 1] = arc_hi[a]
+            room.disc_of[place] = owner[place]
+    if not steps & SOLVE:
+        return OK, n_discs, n_contacts, 0, 0, -1, faces
     status, n_discs, n_contacts, strips, wholes, place = _solve_faces(
-        si, sf, cp, tree, stack, tie, faces, face_start, stack_i, stack_f, disc, n_discs, disc_of, contact_site, contact_s,
-        n_contacts, strip_i, strip_s, whole_i, whole_s, w_i, w_f, contacts_i, contacts_s, node_first, bracket_i, bracket_f,
-        tri_site, tri_s, tri_lo, tri_hi)
+        si, sf, cp, tree, room.stack, tie, faces, room.face_start, room.stack_i, room.stack_f, disc, n_discs, room.disc_of,
+        room.contact_site, room.contact_s, n_contacts, room.strip_i, room.strip_s, room.whole_i, room.whole_s, room.w_i, room.w_f,
+        room.contacts_i, room.contacts_s, room.node_first, room.bracket_i, room.bracket_f, room.tri_site, room.tri_s, room.tri_lo,
+        room.tri_hi)
     return status, n_discs, n_contacts, strips, wholes, place, faces
 
 
@@ -213,7 +218,7 @@ def _solve_faces(si, sf, cp, tree, stack, tie, faces, face_start, stack_i, stack
 
     The faces stand one after the other in `stack_i` (site, closing disc) and `stack_f` (lo, hi), bounded by `face_start`
     (rows 0 .. faces); smaller faces are put where the larger one stood. A face of many arcs is halved by a disc first. New
-    contacts are appended to disc_of, contact_site, contact_s. `place` is a site near the trouble when the status is not OK.
+    contacts are appended to disc_of, contact_site, contact_s.
     """
     n_strips = 0
     n_whole = 0

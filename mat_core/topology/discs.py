@@ -125,11 +125,14 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
 
 
 @inner
-def all_joint_discs(si, sf, cp, tree, stack, tie, disc, kind, winner, winner_s):
-    """`joint_disc` for every site's start; returns (status, joint)."""
+def joint_discs(si, sf, cp, tree, stack, tie, disc, kind, winner, winner_s, first, last):
+    """`joint_disc` for the starts of sites first .. last - 1; returns (status, joint).
+
+    What is known of the joint before is known of no joint before the first: parts may be worked on at a time.
+    """
     hint = -1
     whole = -1
-    for j in range(si.shape[0]):
+    for j in range(first, last):
         status, kind[j], x, y, r, winner[j], winner_s[j] = joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole)
         if kind[j] == ARC_CONTACT:
             whole = j

@@ -1,6 +1,7 @@
 """From sites to discs that are told apart: the compiled part of steps 1 to 3 of `mat_core.topology.skeleton`.
 
-    find_candidates   a disc at every joint, discs that connect the loops, and the contacts of all of them
+    find_candidates   a disc at every joint, discs that connect the loops, and the contacts of all of them; in steps, of which
+                      the middle one, by far the longest, may be taken in parts
     unite_discs       discs that are one are united; contacts of those that are left, and the arcs between them
 
 In between contacts are sorted along the loops and discs by place, which is left to NumPy.
@@ -12,7 +13,7 @@ from mat_core.kernels.boxtree import fill_tree
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import ARC_CONTACT, THROUGH, X0, Y0
-from mat_core.topology.discs import OK, UNCONNECTED, all_joint_discs, connect_loops
+from mat_core.topology.discs import OK, UNCONNECTED, connect_loops, joint_discs
 from mat_core.topology.faces import cut_arcs
 from mat_core.topology.unite import (
     contact_angle,
@@ -28,20 +29,30 @@ from mat_core.topology.unite import (
 ALONG = 0.8  # direction along which centres of discs are sorted: not x, where a grid has many of one coordinate,
 SLANT = 0.5957  # and not quite of length 1
 
+FILL, ASK, CONNECT = 1, 2, 4  # steps of `find_candidates`
+
 
 @jit
-def find_candidates(si, sf, cp, tree, key_x, key_y, stack, loop_start, tie, same_disc, same_crossed, disc, kind, winner,
-                    winner_s, loop_parent, right, right_site, extra, extra_site, parent, won, site, s, owner, angle, sweep):
-    """Steps 1 and 2; returns (status, place, discs, contacts).
+def find_candidates(steps, first, last, si, sf, cp, tree, key_x, key_y, stack, loop_start, tie, same_disc, same_crossed, disc,
+                    kind, winner, winner_s, loop_parent, right, right_site, extra, extra_site, parent, won, site, s, owner, angle,
+                    sweep):
+    """Steps 1 and 2 of the skeleton; returns (status, place, discs, contacts).
 
-    Fills the tree; for every disc `disc`, `kind`, `parent` (those known to be one joined) and `sweep`, a coordinate of its
-    centre; for those of joints `winner`, `winner_s`; for every contact `site`, `s`, `owner` and `angle` around it.
+    steps: FILL the tree, ASK for the discs at the joints first .. last - 1, CONNECT the loops and list what there is; a sum of
+    these takes one after the other, so that a small domain needs one call.
+
+    For every disc `disc`, `kind`, `parent` (those known to be one joined) and `sweep`, a coordinate of its centre; for those of
+    joints `winner`, `winner_s`; for every contact `site`, `s`, `owner` and `angle` around it.
     """
     n = si.shape[0]
-    fill_tree(si, sf, cp, tree, key_x, key_y)
-    status, place = all_joint_discs(si, sf, cp, tree, stack, tie, disc, kind, winner, winner_s)
-    if status != OK:
-        return status, place, 0, 0
+    if steps & FILL:
+        fill_tree(si, sf, cp, tree, key_x, key_y)
+    if steps & ASK:
+        status, place = joint_discs(si, sf, cp, tree, stack, tie, disc, kind, winner, winner_s, first, last)
+        if status != OK:
+            return status, place, 0, 0
+    if not steps & CONNECT:
+        return OK, -1, 0, 0
     status, more = connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent, right, right_site, extra,
                                  extra_site)
     if status != OK:

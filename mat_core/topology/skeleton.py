@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
-from mat_core.errors import NotCertified
 from mat_core.kernels.boxtree import STACK, Tree, room_for_tree
-from mat_core.kernels.curve import evaluate
 from mat_core.kernels.layout import ARC_CONTACT, THROUGH
+from mat_core.threads import Bounds, cut, each
 from mat_core.tolerances import Tolerances
-from mat_core.topology.branches import solve_faces
-from mat_core.topology.discs import NOT_EULER, OK, UNCONNECTED
-from mat_core.topology.joining import find_candidates, unite_discs
+from mat_core.topology.discs import OK, UNCONNECTED
+from mat_core.topology.joining import ASK, CONNECT, FILL, find_candidates, unite_discs
+from mat_core.topology.solving import Found, failure, solve_all
 
 
 class Skeleton(NamedTuple):
@@ -44,37 +43,11 @@ class Skeleton(NamedTuple):
     faces: int
 
 
-def failure(table: SiteTable, site: int, what: str) -> NotCertified:
-    """The honest error for trouble near a site: where, in the caller's coordinates."""
-    x, y = evaluate(table.si, table.sf, table.cp, site, 0.0, 0.0, 0.0)[:2]
-    place = (float(x / table.scale + table.origin[0]), float(y / table.scale + table.origin[1]))
-    return NotCertified(what, place=place)
-
-
-class _Found(NamedTuple):
-    """Discs told apart, and their contacts in loop order.
-
-    discs, contacts: how many. disc, kind: room for more; site, s, owner and angle of each contact; arc a runs from contact a up
-    to arc_hi[a], where contact next_contact[a] is.
-    """
-
-    discs: int
-    contacts: int
-    disc: NDArray[np.float64]
-    kind: NDArray[np.int64]
-    site: NDArray[np.int64]
-    s: NDArray[np.float64]
-    owner: NDArray[np.int64]
-    angle: NDArray[np.float64]
-    arc_hi: NDArray[np.float64]
-    next_contact: NDArray[np.int64]
-
-
 def _numbers(n: int) -> NDArray[np.int64]:
     return np.empty(n, dtype=np.int64)
 
 
-def _find_discs(t: SiteTable, tree: Tree, stack: NDArray[np.int64], tolerances: Tolerances) -> _Found:
+def _find_discs(t: SiteTable, tree: Tree, tolerances: Tolerances, threads: int) -> Found:
     """Steps 1 to 3, and the arcs between contacts."""
     n = len(t.si)
     loops = len(t.loop_start) - 1
@@ -83,15 +56,27 @@ def _find_discs(t: SiteTable, tree: Tree, stack: NDArray[np.int64], tolerances: 
     winner, winner_s = _numbers(n), np.empty(n)
     most = 2 * n + 2 * loops
     site, s, owner, angle = _numbers(most), np.empty(most), _numbers(most), np.empty(most)
-    status, place, discs, contacts = find_candidates(
-        t.si, t.sf, t.cp, tree, np.empty(n), np.empty(n), stack, t.loop_start, tolerances.tie, tolerances.same_disc,
-        tolerances.same_crossed, disc, kind, winner, winner_s, _numbers(loops), np.empty((loops, 2)), _numbers(loops),
-        np.empty((loops, 5)), np.empty((loops, 2), dtype=np.int64), parent, np.empty(n, dtype=np.bool_), site, s, owner, angle,
-        sweep)
-    if status == UNCONNECTED:
-        raise failure(t, place, "no disc connects a hole to the rest of the boundary")
-    if status != OK:
-        raise failure(t, place, "the maximal disc at a joint touches no second part of the boundary")
+    key_x, key_y, right, right_site, extra = np.empty(n), np.empty(n), np.empty((loops, 2)), _numbers(loops), np.empty((loops, 5))
+    extra_site, loop_parent, won = np.empty((loops, 2), dtype=np.int64), _numbers(loops), np.empty(n, dtype=np.bool_)
+
+    def candidates(steps: int, part: Bounds) -> tuple[int, int, int, int]:
+        told: tuple[int, int, int, int] = find_candidates(
+            steps, *part, t.si, t.sf, t.cp, tree, key_x, key_y, _numbers(STACK), t.loop_start, tolerances.tie,
+            tolerances.same_disc, tolerances.same_crossed, disc, kind, winner, winner_s, loop_parent, right, right_site, extra,
+            extra_site, parent, won, site, s, owner, angle, sweep)
+        if told[0] == UNCONNECTED:
+            raise failure(t, told[1], "no disc connects a hole to the rest of the boundary")
+        if told[0] != OK:
+            raise failure(t, told[1], "the maximal disc at a joint touches no second part of the boundary")
+        return told
+
+    parts = cut(n)
+    if len(parts) == 1:
+        status, place, discs, contacts = candidates(FILL | ASK | CONNECT, parts[0])
+    else:
+        candidates(FILL, parts[0])
+        each(lambda part: candidates(ASK, part), parts, threads)
+        status, place, discs, contacts = candidates(CONNECT, parts[0])
     disc, kind, parent, sweep = disc[:discs], kind[:discs], parent[:discs], sweep[:discs]
     site, s, owner, angle = site[:contacts], s[:contacts], owner[:contacts], angle[:contacts]
     order = np.lexsort((s, site))
@@ -105,16 +90,18 @@ def _find_discs(t: SiteTable, tree: Tree, stack: NDArray[np.int64], tolerances: 
         _numbers(contacts), _numbers(discs), np.empty(discs), united, united_kind, np.empty((discs, 8)), to_site, to_s, to_disc,
         to_angle, arc_hi, next_contact)
     n = contacts
-    return _Found(discs, n, united, united_kind, to_site[:n], to_s[:n], to_disc[:n], to_angle[:n], arc_hi[:n], next_contact[:n])
+    return Found(discs, n, united, united_kind, to_site[:n], to_s[:n], to_disc[:n], to_angle[:n], arc_hi[:n], next_contact[:n])
 
 
-def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
+def build_skeleton(t: SiteTable, tolerances: Tolerances, threads: int = 1) -> Skeleton:
     """All discs, contacts and strips of the axis.
 
     Parameters
     ----------
     t : SiteTable
     tolerances : Tolerances
+    threads : int
+        How many may work at a time; the result does not depend on it.
 
     Returns
     -------
@@ -126,36 +113,12 @@ def build_skeleton(t: SiteTable, tolerances: Tolerances) -> Skeleton:
         The discs do not fit together (their faces break Euler's identity); names a place.
     """
     tree = room_for_tree(len(t.si))
-    stack = _numbers(STACK)
-    f = _find_discs(t, tree, stack, tolerances)
-    holes = len(t.loop_start) - 2
-    expected = 1 - holes + f.contacts - f.discs
-
-    # 4. and 5. faces to strips, solving branch points
-    n = f.contacts
-    room = 5 * n + 64  # three for each branch point, and those of discs that split large faces
-    grown = np.empty((f.discs + 2 * n, 3))
-    grown[: f.discs] = f.disc[: f.discs]
-    disc_of, contact_site, contact_s = _numbers(room), _numbers(room), np.empty(room)
-    contact_site[:n] = f.site
-    contact_s[:n] = f.s
-    strip_i, strip_s = np.empty((3 * n + 2, 4), dtype=np.int64), np.empty((3 * n + 2, 4))
-    whole_i, whole_s = np.empty((n, 2), dtype=np.int64), np.empty((n, 2))
-    status, discs, contacts, strips, wholes, place, faces = solve_faces(
-        t.si, t.sf, t.cp, tree, stack, tolerances.tie, expected, f.owner, np.lexsort((f.angle, f.owner)), f.next_contact,
-        f.arc_hi, _numbers(f.discs + 1), _numbers(n), _numbers(n), _numbers(n), _numbers(room + 1),
-        np.empty((room, 2), dtype=np.int64), np.empty((room, 2)), grown, f.discs, disc_of, contact_site, contact_s, n, strip_i,
-        strip_s, whole_i, whole_s, np.empty((n, 2), dtype=np.int64), np.empty((n, 2)), _numbers(4 * n + 8), np.empty(4 * n + 8),
-        _numbers(n + 2), np.empty((n + 4, 2), dtype=np.int64), np.empty((n + 4, 2)), _numbers(3), np.empty(3),
-        np.empty(3), np.empty(3))
-    if status == NOT_EULER:
-        raise failure(t, 0, f"the discs cut the domain into {faces} faces where Euler's identity asks for {expected}")
-    if status != OK:
-        raise failure(t, int(place), "a branch point was not found where three or more parts of the boundary meet")
-    by_disc = np.lexsort((contact_s[:contacts], contact_site[:contacts], disc_of[:contacts]))
-    contact_start = np.searchsorted(disc_of[:contacts][by_disc], np.arange(discs + 1))
-    all_kinds = np.full(discs, THROUGH)
-    all_kinds[: f.discs] = f.kind[: f.discs]
-    all_kinds[whole_i[:wholes, 1]] = ARC_CONTACT  # also with a spiral that is an arc but for rounding
-    return Skeleton(grown[:discs], all_kinds, contact_start, contact_site[:contacts][by_disc], contact_s[:contacts][by_disc],
-                    strip_i[:strips], strip_s[:strips], whole_i[:wholes], whole_s[:wholes], faces)
+    f = _find_discs(t, tree, tolerances, threads)
+    k, faces = solve_all(t, tree, f, tolerances.tie, threads)
+    by_disc = np.lexsort((k.s, k.site, k.disc_of))
+    contact_start = np.searchsorted(k.disc_of[by_disc], np.arange(len(k.disc) + 1))
+    kinds = np.full(len(k.disc), THROUGH)
+    kinds[: f.discs] = f.kind[: f.discs]
+    kinds[k.whole_i[:, 1]] = ARC_CONTACT  # also with a spiral that is an arc but for rounding
+    return Skeleton(k.disc, kinds, contact_start, k.site[by_disc], k.s[by_disc], k.strip_i, k.strip_s, k.whole_i, k.whole_s,
+                    faces)

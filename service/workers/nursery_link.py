@@ -113,5 +113,5 @@ def _environment() -> dict[str, str]:
     """What this process was given, with this package importable and one thread a worker (they are the parallelism)."""
     root = str(Path(__file__).resolve().parents[2])
     paths = [path for path in (os.environ.get("PYTHONPATH"), root) if path]
-    single = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
+    single = dict.fromkeys(("MAT_CORE_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     return {**os.environ, **single, "PYTHONPATH": os.pathsep.join(paths)}

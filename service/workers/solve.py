@@ -29,7 +29,7 @@ from service.workers.parse import parse
 from service.workers.process import die_with_parent
 from service.workers.refusals import invalid, not_certified, unsupported
 
-SOLVER_OPTIONS = frozenset(inspect.signature(mat_core.medial_axis).parameters) - {"domain", "progress"}
+SOLVER_OPTIONS = frozenset(inspect.signature(mat_core.medial_axis).parameters) - {"domain", "progress", "threads"}
 """What this version of the library takes; the contract knows more."""
 
 SOLVING = (0.1, 0.9)

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 import mat_core
-from service.workers import solve
+from mat_core.threads import VARIABLE
+from service.workers import nursery_link, solve
 from tests.service.live import ROOT
 
 PLATE = (ROOT / "openapi" / "examples" / "plate.json").read_bytes().replace(b"\n", b" ")
@@ -27,6 +28,13 @@ def test_each_line_is_answered_as_the_body_of_a_request() -> None:
     _, answer = solve.handle(HEADER, PLATE)
     assert found == [json.loads(answer)] * 2
     assert outcome == {}
+
+
+def test_a_worker_uses_one_thread_whatever_a_client_asks_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, "8")
+    assert nursery_link._environment()[VARIABLE] == "1"
+    found, _ = lines(json.dumps(json.loads(PLATE) | {"options": {"threads": 8}}).encode())
+    assert [problem["pointer"] for problem in found[0]["problems"]] == ["/options/threads"]
 
 
 def test_faults_name_the_line_of_the_batch() -> None:
