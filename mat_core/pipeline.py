@@ -4,13 +4,17 @@ The skeleton is found from maximal discs, or on request by the paper's own march
 
 Each single setting of the tolerances has a narrow band of input noise, near its own size, where ties are told apart wrongly; the
 bands differ. So the stages are run for each rung of `tolerances.LADDER` until a result passes its certificate (the march, whose
-steps decide, has the first rung only). Nothing else is ever returned.
+steps decide, has the first rung only). Nothing else is ever returned. Rungs often tell the same discs apart: a skeleton whose
+curves or certificate failed is not tried again.
 """
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Callable
+
+import numpy as np
 
 from mat_core.axis import MedialAxis
 from mat_core.boundary.sites import SiteTable, build_sites
@@ -20,7 +24,7 @@ from mat_core.errors import NotCertified, UnsupportedOption
 from mat_core.model.domain import Domain
 from mat_core.threads import threads_allowed
 from mat_core.tolerances import LADDER, Tolerances
-from mat_core.topology.graph import build_graph
+from mat_core.topology.graph import AxisGraph, build_graph
 from mat_core.topology.skeleton import Skeleton, build_skeleton
 from mat_core.tracing.march import march
 
@@ -62,8 +66,9 @@ def medial_axis(
         curves do not depend on it. With "march" it is the tracing step along the boundary, too (the paper's section 6); there the
         default is 0.001, or one hundredth of the smallest edge if that is smaller.
     smooth_angle : float
-        Radians, 0 to 0.1; joints that turn by less are smooth: no branch of the axis runs into them. Where no axis with them
-        smoothed passes its certificate (the rest of the boundary is nearly a circle, say), they are corners after all.
+        Radians, 0 to 0.1; joints that turn by less are smooth: no branch of the axis runs into them (none does into a reflex one,
+        so these are only smooth where they hardly turn). Where no axis with them smoothed passes its certificate (the rest of the
+        boundary is nearly a circle, say), they are corners after all.
     check_step : int, optional
         Tracing steps of "march" from one check for a branch point to the next, 1 to 1,000,000; default 10. "discs", whose check
         is exact, has no use for it.
@@ -96,15 +101,23 @@ def medial_axis(
     if method == "march":
         return _march(domain, tolerance, step, smooth_angle, check_step, progress, threads)
     first: NotCertified | None = None
+    failed: set[bytes] = set()
     for tolerances in LADDER:
         _begin(progress, "sites")
         table = build_sites(domain, min(smooth_angle, tolerances.smooth), tolerances)
         _begin(progress, "skeleton")
         try:
-            skeleton = build_skeleton(table, tolerances, threads)
-            return _finish(domain, table, skeleton, tolerance, step, tolerances, progress, threads)
+            skeleton, graph = _network(table, build_skeleton(table, tolerances, threads), tolerances, progress)
         except NotCertified as error:
             first = first or error
+            continue
+        if failed and _fingerprint(table, skeleton) in failed:
+            continue
+        try:
+            return _finish(domain, table, skeleton, graph, tolerance, step, progress, threads)
+        except NotCertified as error:
+            first = first or error
+            failed.add(_fingerprint(table, skeleton))
     assert first is not None
     raise first
 
@@ -125,25 +138,39 @@ def _march(
     _begin(progress, "skeleton")
     skeleton = march(table, domain.size * table.scale, step, check_step)
     try:
-        return _finish(domain, table, skeleton, tolerance, step, tolerances, progress, threads)
+        return _finish(domain, table, *_network(table, skeleton, tolerances, progress), tolerance, step, progress, threads)
     except NotCertified as error:
         advice = f'{error.detail} (a march misses a branch that its steps pass over; use a smaller step, or method "discs")'
         raise NotCertified(advice, error.place, error.certificate) from error
+
+
+def _network(
+    table: SiteTable, skeleton: Skeleton, tolerances: Tolerances, progress: Progress | None
+) -> tuple[Skeleton, AxisGraph]:
+    """The graph of a skeleton, and the skeleton that it refers to."""
+    _begin(progress, "graph")
+    return build_graph(table, skeleton, tolerances)
+
+
+def _fingerprint(table: SiteTable, skeleton: Skeleton) -> bytes:
+    """A hash of all that curves and certificate depend on: the boundary as it was cut, and the contracted skeleton."""
+    found = hashlib.blake2b(np.float64(table.smooth_angle).tobytes())
+    for array in (table.si, table.sf, table.cp, *skeleton):
+        found.update(np.ascontiguousarray(array).tobytes())
+    return found.digest()
 
 
 def _finish(
     domain: Domain,
     table: SiteTable,
     skeleton: Skeleton,
+    graph: AxisGraph,
     tolerance: float,
     step: float | None,
-    tolerances: Tolerances,
     progress: Progress | None,
     threads: int,
 ) -> MedialAxis:
-    """Graph, curves and certificate of a skeleton."""
-    _begin(progress, "graph")
-    skeleton, graph = build_graph(table, skeleton, tolerances)
+    """Curves and certificate of a skeleton and its graph."""
     _begin(progress, "curves")
     axis = build_axis(domain, table, skeleton, graph, tolerance, step, threads)
     _begin(progress, "certificate")

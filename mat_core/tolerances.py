@@ -43,12 +43,14 @@ LADDER = (
     # nearly equal discs are one: inputs with noise of the size of these tolerances
     Tolerances(same_crossed=1e-8),
     Tolerances(same_disc=1e-10, same_crossed=1e-8, tie=1e-9, same_node=1e-9),
+    # noise far below the certificate's limits is none: arcs are arcs but for it (a circle of them has no axis but its centre)
+    Tolerances(rounding=1e-12, same_crossed=1e-8),
     # nothing smoothed: joints that turn by little are corners with branches of their own
     Tolerances(smooth=1e-13),
     Tolerances(smooth=1e-13, same_disc=1e-15, same_crossed=1e-13, tie=1e-15, same_node=1e-14),
     Tolerances(smooth=1e-13, same_disc=1e-12, same_crossed=1e-12, tie=1e-15, same_node=1e-12),
     Tolerances(smooth=1e-13, same_crossed=1e-8),
-    # noise far below the certificate's limits is none: lines, circles and joints are what they are but for it
+    # lines, circles and joints are what they are but for such noise
     Tolerances(smooth=1e-12, rounding=1e-13),
     Tolerances(smooth=1e-11, rounding=1e-12),
     Tolerances(smooth=1e-10, rounding=1e-11, same_disc=1e-10, same_crossed=1e-10, tie=1e-10, same_node=1e-10),

@@ -88,6 +88,7 @@ from mat_core.model.domain import Domain
 from mat_core.tolerances import Tolerances
 
 KINK = 32.0  # roundings by which a joint may turn, radians, without anything being meant by it
+BENT_BACK = 1e-9  # radians by which a reflex joint may turn and be smooth: no branch runs into it, so nothing is gained by more
 SAME_CURVATURE = 1e-12  # relative difference of the curvatures at both ends of a spiral below which it may be a circular arc
 FROM_CIRCLE = 1e-16  # distance from that arc, normalised, which is rounding
 
@@ -292,8 +293,12 @@ def _move_site(source, target, si, sf):
 
 
 @jit
-def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, si, sf, turns, loop_start):
-    """Step 3: all loops. `si`, `sf` have room for twice the pieces; returns the number of sites."""
+def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back, si, sf, turns, loop_start):
+    """Step 3: all loops. `si`, `sf` have room for twice the pieces; returns the number of sites.
+
+    A convex joint that turns by no more than `smooth_angle` is smooth, a reflex one by no more than `bent_back`: a fan has all of
+    its normals, and the disc of their mean would be off by radius times angle.
+    """
     count = 0
     loop_start[0] = 0
     for loop in range(piece_loop_start.shape[0] - 1):
@@ -316,7 +321,7 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, si, sf, 
                     turn = turn if turn > 0.0 else turn + 2.0 * math.pi
                 else:
                     turn = turn if turn < 0.0 else turn - 2.0 * math.pi
-            elif abs(turn) <= smooth_angle or (same_bezier and abs(turn) < 0.1):
+            elif -bent_back <= turn <= smooth_angle or (same_bezier and abs(turn) < 0.1):
                 turn = 0.0
             # a curvature that grows without bound towards its end is a leaf of radius 0 there, like a convex corner
             if turn > 0.0 or sf[b, K0] == math.inf or (turn == 0.0 and sf[a, K1] == math.inf):
@@ -354,7 +359,7 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     domain : Domain
         Valid (checked by its constructor).
     smooth_angle : float
-        Radians; joints that turn by less are smooth.
+        Radians; convex joints that turn by less are smooth, reflex ones only if they turn by hardly anything.
     tolerances : Tolerances
         Rounding of the normalised coordinates is taken from here and from the size of the input's coordinates.
 
@@ -405,5 +410,6 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     sf = np.zeros((2 * n_pieces, SF_WIDTH))
     turns = np.empty(n_pieces)
     loop_start = np.empty(len(a.loop_start), dtype=np.int64)
-    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, si, sf, turns, loop_start)
+    bent_back = min(smooth_angle, max(BENT_BACK, KINK * rounding))
+    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, bent_back, si, sf, turns, loop_start)
     return SiteTable(si[:n], sf[:n], grown[:rows], loop_start, origin, scale, smooth_angle)

@@ -64,6 +64,15 @@ def joint_normal(si, sf, j):
 
 
 @inner
+def own_normal(si, sf, j, right):
+    """Inward unit normal at the start of site j of the piece that starts there (`right`), or of the one that ends there."""
+    if right:
+        return -sf[j, TY0], sf[j, TX0]
+    before = si[j, PREV]
+    return -sf[before, TY1], sf[before, TX1]
+
+
+@inner
 def _grows(at_joint, far):
     """Curvature grows from the joint along a monotone piece, beyond rounding."""
     return far - at_joint > 1e-12 * abs(at_joint)
@@ -106,11 +115,14 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     rough = max(arc_noise(si, sf, j) if arcs & 1 else 0.0, arc_noise(si, sf, before) if arcs & 2 else 0.0)
     if arcs > 0 and own > 0.0 and whole >= 0:
         r = 1.0 / own
-        off = math.sqrt((px + r * nx - disc[whole, 0]) ** 2 + (py + r * ny - disc[whole, 1]) ** 2) + abs(r - disc[whole, 2])
+        ox, oy = own_normal(si, sf, j, arcs & 1)
+        off = math.sqrt((px + r * ox - disc[whole, 0]) ** 2 + (py + r * oy - disc[whole, 1]) ** 2) + abs(r - disc[whole, 2])
         if off <= max(0.25 * tie, 2.0 * rough) * r:
-            return OK, ARC_CONTACT, px + r * nx, py + r * ny, r, arcs, 0.0
+            return OK, ARC_CONTACT, px + r * ox, py + r * oy, r, arcs, 0.0
     phi, winner, s = query(si, sf, cp, tree, stack, j, 0.0, nx, ny, before, hint, K_LOW)
     if arcs > 0 and own >= phi * (1.0 - max(tie, 2.0 * rough)):
+        # about the arc's own centre: at a joint that is smooth but for noise the mean normal does not point at it
+        nx, ny = own_normal(si, sf, j, arcs & 1)
         return OK, ARC_CONTACT, px + nx / own, py + ny / own, 1.0 / own, arcs, 0.0
     noise = _phi_noise(si, sf, cp, j, winner, s)
     # an osculating disc that touches elsewhere as well is no leaf: the branch to it has no length
@@ -118,6 +130,7 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     if own >= phi * (1.0 - OWN_RELATIVE) - noise and not elsewhere:
         grows = (left and _grows(kl, sf[before, K0])) or (right and _grows(kr, sf[j, K1]))
         if not grows or winner < 0:
+            nx, ny = own_normal(si, sf, j, right)
             return OK, CURVATURE_LEAF, px + nx / own, py + ny / own, 1.0 / own, -1, 0.0
     if winner < 0:
         return NO_PARTNER, THROUGH, px, py, 0.0, -1, 0.0

@@ -37,6 +37,8 @@ from mat_core.kernels.layout import (
 COORDINATE = 2.3e-16  # rounding of a normalised coordinate
 FLATTEST = 1e-7  # no arc's circle is believed to be worse than this
 MISSED = 1e-12  # a disc this near to its contacts touches them
+GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # turns by it come near each other late
+CUTS = 16  # directions tried
 ANGLE_NEAR = 1e-5  # contacts nearer than this around a centre are ordered along the boundary, not by angle
 
 
@@ -137,11 +139,28 @@ def _before(si, loop_start, site_a, s_a, angle_a, site_b, s_b, angle_b):
 
 
 @inner
-def interleaved(si, loop_start, site, s, angle, member_next, first, a, b, cut):
+def _nearest_contact(angle, member_next, c, cut):
+    """Angle between a direction and the contact nearest to it in the list that begins with contact c."""
+    nearest = math.pi
+    while c >= 0:
+        nearest = min(nearest, abs((angle[c] - cut + math.pi) % (2.0 * math.pi) - math.pi))
+        c = member_next[c]
+    return nearest
+
+
+@inner
+def interleaved(si, loop_start, site, s, angle, member_next, first, a, b):
     """Whether the contacts of groups a and b alternate around their common centre.
 
-    Groups are linked lists (`first`, `member_next`) of contacts; `cut` is an angle at which no contact lies near.
+    Groups are linked lists (`first`, `member_next`) of contacts. No contact may lie near where the circle is cut: between
+    parallel walls some are opposite to others.
     """
+    cut = angle[first[a]]
+    for _ in range(CUTS):
+        cut += GOLDEN
+        nearest = min(_nearest_contact(angle, member_next, first[a], cut), _nearest_contact(angle, member_next, first[b], cut))
+        if nearest > 2.0 * ANGLE_NEAR:
+            break
     gap = -1
     cb = first[b]
     while cb >= 0:
@@ -300,8 +319,7 @@ def unite_interleaved(si, loop_start, disc, kind, site, s, angle, sweep, by_swee
             db = find(parent, b)
             if da == db:
                 continue
-            cut = angle[first[da]] - 3.0 * ANGLE_NEAR
-            if interleaved(si, loop_start, site, s, angle, member_next, first, da, db, cut):
+            if interleaved(si, loop_start, site, s, angle, member_next, first, da, db):
                 _merge(parent, first, member_next, last, da, db)
 
 
@@ -336,9 +354,8 @@ def unite_crossed(si, sf, loop_start, disc, site, s, owner, angle, order, n, ali
         bend = kink(si, sf, site[at_joint]) if s[at_joint] == 0.0 else 0.0
         if not same_disc(disc, da, db, tolerance + disc[da, 2] * bend):
             continue
-        cut = 0.5 * (angle[a] + angle[b]) + math.pi
         same = same_disc(disc, da, db, tight)
-        if not same and not interleaved(si, loop_start, site, s, angle, member_next, first, da, db, cut):
+        if not same and not interleaved(si, loop_start, site, s, angle, member_next, first, da, db):
             continue
         _merge(parent, first, member_next, last, da, db)
         # a joint stays, a winner next to it goes
