@@ -6,7 +6,8 @@
    A side that errors turn back along itself is cut to what runs ahead (`folds`).
 3. Where the two do not meet the disc itself lies between them, a contact along an arc: it is put in. The gap is the angle
    between both segments less their sides' own, so that also arcs of more than half a turn are told from none.
-4. Loops are measured against the domain's own edges, both ways.
+4. Where errors have made a loop cross itself, what runs round in between is cut out (`untangling`).
+5. Loops are measured against the domain's own edges, both ways.
 
 Nothing is taken from the boundary but for that comparison.
 """
@@ -27,6 +28,7 @@ from mat_core.analysis.envelope import Envelope
 from mat_core.analysis.folds import follow, forward
 from mat_core.analysis.outline import edge_dicts, measure
 from mat_core.analysis.parallel import QUARTER, arc_spline
+from mat_core.analysis.untangling import untangled
 from mat_core.axis import MedialAxis
 from mat_core.errors import NotCertified
 from mat_core.model.curve import RationalBSpline
@@ -123,12 +125,12 @@ def reconstruct(axis: MedialAxis) -> Reconstruction:
     H. Blum, "A transformation for extracting new descriptors of shape" (1967): axis and radius determine the shape.
     """
     table = axis.table
-    tolerance = FIT_SHARE * axis.tolerance * axis.domain.size * table.scale
-    loops = _circle(axis) if not len(axis.segments) else _Rebuilder(axis, tolerance).loops()
+    loops = _circle(axis) if not len(axis.segments) else _Rebuilder(axis, _fit_tolerance(axis)).loops()
     curves = [
-        tuple(RationalBSpline(c.degree, c.knots, c.control_points / table.scale + table.origin, c.weights) for c in loop)
+        [RationalBSpline(c.degree, c.knots, c.control_points / table.scale + table.origin, c.weights) for c in loop]
         for loop in loops
     ]
+    curves = untangled(curves, _error(axis))
     areas = [measure(loop)[0] for loop in curves]
     outside = [i for i, a in enumerate(areas) if a > 0.0]
     if len(outside) != 1:
@@ -136,10 +138,20 @@ def reconstruct(axis: MedialAxis) -> Reconstruction:
     origin = table.origin
     rebuilt = pieces_of((c for loop in curves for c in loop), origin)
     given = pieces_of((c for loop in (axis.domain.outer, *axis.domain.holes) for c in loop), origin)
-    holes = tuple(loop for i, loop in enumerate(curves) if i != outside[0])
+    holes = tuple(tuple(loop) for i, loop in enumerate(curves) if i != outside[0])
     return Reconstruction(
-        curves[outside[0]], holes, farthest(rebuilt, given), farthest(given, rebuilt), math.fsum(areas)
+        tuple(curves[outside[0]]), holes, farthest(rebuilt, given), farthest(given, rebuilt), math.fsum(areas)
     )
+
+
+def _error(axis: MedialAxis) -> float:
+    """By which the curves of a rebuilt boundary may miss the true ones, in the caller's unit."""
+    return (float(axis.curves.max_error.max(initial=0.0)) + _fit_tolerance(axis)) / axis.table.scale
+
+
+def _fit_tolerance(axis: MedialAxis) -> float:
+    """Of the curves of the boundary, normalised."""
+    return FIT_SHARE * axis.tolerance * axis.domain.size * axis.table.scale
 
 
 def _circle(axis: MedialAxis) -> list[list[RationalBSpline]]:
