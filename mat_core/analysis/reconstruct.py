@@ -179,8 +179,6 @@ class _Rebuilder:
         self.envelope = Envelope(axis, tolerance)
         owner = axis.curves.part_segment[self.envelope.items.piece]
         self.first = np.searchsorted(owner, np.arange(len(axis.segments) + 1)).tolist()
-        if any(a == b for a, b in zip(self.first[:-1], self.first[1:], strict=True)):
-            raise NotCertified("reconstruct: a segment of no length has no sides")
 
     def loops(self) -> list[list[RationalBSpline]]:
         """All loops of the boundary."""
@@ -201,25 +199,37 @@ class _Rebuilder:
                 half = following[half]
                 if half == start:
                     break
+            if not chain:
+                raise NotCertified("reconstruct: the axis round a hole is shorter than its errors; ask for a finer tolerance")
             yield chain
 
     def _turn_round(self) -> dict[tuple[int, int], tuple[int, int]]:
         """For each side (segment, sense) the next one."""
-        runs, ends = self.axis.runs, self.envelope.ends
+        runs = self.axis.runs
         at_node: dict[int, list[tuple[float, tuple[int, int]]]] = {}
         following: dict[tuple[int, int], tuple[int, int]] = {}
         for g, (a, b) in enumerate(zip(runs.start_node.tolist(), runs.end_node.tolist(), strict=True)):
             if a < 0:
                 following[g, 1], following[g, -1] = (g, 1), (g, -1)
                 continue
-            away = ends.forward[self.first[g], 0], -ends.forward[self.first[g + 1] - 1, 1]
-            for node, d, sense in ((a, away[0], 1), (b, away[1], -1)):
+            for node, d, sense in ((a, self._away(g, 0), 1), (b, self._away(g, 1), -1)):
                 at_node.setdefault(node, []).append((math.atan2(d[1], d[0]), (g, sense)))
         for leaving in at_node.values():
             leaving.sort()
             for (_, (segment, sense)), (_, after) in zip(leaving, leaving[1:] + leaving[:1], strict=True):
                 following[segment, -sense] = after
         return following
+
+    def _away(self, segment: int, end: int) -> Floats:
+        """Where a segment goes from its start (0) or its end (1)."""
+        items = range(self.first[segment], self.first[segment + 1])
+        sign = -1.0 if end else 1.0
+        if items:
+            away: Floats = sign * self.envelope.ends.forward[items[-end], end]
+            return away
+        # one that is shorter than its errors has no sides; it still parts those of the others
+        away = sign * self.axis.evaluate(np.array([segment]), np.array([float(end)]))[0, 3:5]
+        return away
 
     def _gap(self, a: _Side, b: _Side) -> _Gap:
         """Step 3: what lies between the end of side a and the start of side b, at one disc."""
