@@ -44,6 +44,7 @@ from mat_core.errors import NotCertified
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import EDGE, LOOP
 from mat_core.model.domain import Domain
+from mat_core.model.edges import HIGHEST_DEGREE
 from mat_core.records import CurveTable
 from mat_core.topology.graph import AxisGraph
 from mat_core.topology.skeleton import Skeleton
@@ -211,8 +212,8 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     strip_i = np.empty((n, 4), dtype=np.int64)
     strip_s = np.empty((n, 4))
     joined = np.empty(n, dtype=np.bool_)
-    travel(table.si, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward, strip_i, strip_s,
-           joined)
+    travel(table.si, table.sf, table.cp, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward,
+           strip_i, strip_s, joined, np.empty((2 * HIGHEST_DEGREE + 2, 3)))
     way_i = np.empty((n, 2), dtype=np.int64)
     way_f = np.empty((n, 4))
     count = NO_ROOM
