@@ -6,7 +6,8 @@
    A side that errors turn back along itself is cut to what runs ahead (`folds`).
 3. Where the two do not meet the disc itself lies between them, a contact along an arc: it is put in. The gap is the angle
    between both segments less their sides' own, so that also arcs of more than half a turn are told from none.
-4. Loops are measured against the domain's own edges, both ways.
+4. Where errors have made a loop cross itself, what runs round in between is cut out (`untangling`).
+5. Loops are measured against the domain's own edges, both ways.
 
 Nothing is taken from the boundary but for that comparison.
 """
@@ -27,6 +28,7 @@ from mat_core.analysis.envelope import Envelope
 from mat_core.analysis.folds import follow, forward
 from mat_core.analysis.outline import edge_dicts, measure
 from mat_core.analysis.parallel import QUARTER, arc_spline
+from mat_core.analysis.untangling import untangled
 from mat_core.axis import MedialAxis
 from mat_core.errors import NotCertified
 from mat_core.model.curve import RationalBSpline
@@ -123,12 +125,12 @@ def reconstruct(axis: MedialAxis) -> Reconstruction:
     H. Blum, "A transformation for extracting new descriptors of shape" (1967): axis and radius determine the shape.
     """
     table = axis.table
-    tolerance = FIT_SHARE * axis.tolerance * axis.domain.size * table.scale
-    loops = _circle(axis) if not len(axis.segments) else _Rebuilder(axis, tolerance).loops()
+    loops = _circle(axis) if not len(axis.segments) else _Rebuilder(axis, _fit_tolerance(axis)).loops()
     curves = [
-        tuple(RationalBSpline(c.degree, c.knots, c.control_points / table.scale + table.origin, c.weights) for c in loop)
+        [RationalBSpline(c.degree, c.knots, c.control_points / table.scale + table.origin, c.weights) for c in loop]
         for loop in loops
     ]
+    curves = untangled(curves, _error(axis))
     areas = [measure(loop)[0] for loop in curves]
     outside = [i for i, a in enumerate(areas) if a > 0.0]
     if len(outside) != 1:
@@ -136,10 +138,20 @@ def reconstruct(axis: MedialAxis) -> Reconstruction:
     origin = table.origin
     rebuilt = pieces_of((c for loop in curves for c in loop), origin)
     given = pieces_of((c for loop in (axis.domain.outer, *axis.domain.holes) for c in loop), origin)
-    holes = tuple(loop for i, loop in enumerate(curves) if i != outside[0])
+    holes = tuple(tuple(loop) for i, loop in enumerate(curves) if i != outside[0])
     return Reconstruction(
-        curves[outside[0]], holes, farthest(rebuilt, given), farthest(given, rebuilt), math.fsum(areas)
+        tuple(curves[outside[0]]), holes, farthest(rebuilt, given), farthest(given, rebuilt), math.fsum(areas)
     )
+
+
+def _error(axis: MedialAxis) -> float:
+    """By which the curves of a rebuilt boundary may miss the true ones, in the caller's unit."""
+    return (float(axis.curves.max_error.max(initial=0.0)) + _fit_tolerance(axis)) / axis.table.scale
+
+
+def _fit_tolerance(axis: MedialAxis) -> float:
+    """Of the curves of the boundary, normalised."""
+    return FIT_SHARE * axis.tolerance * axis.domain.size * axis.table.scale
 
 
 def _circle(axis: MedialAxis) -> list[list[RationalBSpline]]:
@@ -167,8 +179,6 @@ class _Rebuilder:
         self.envelope = Envelope(axis, tolerance)
         owner = axis.curves.part_segment[self.envelope.items.piece]
         self.first = np.searchsorted(owner, np.arange(len(axis.segments) + 1)).tolist()
-        if any(a == b for a, b in zip(self.first[:-1], self.first[1:], strict=True)):
-            raise NotCertified("reconstruct: a segment of no length has no sides")
 
     def loops(self) -> list[list[RationalBSpline]]:
         """All loops of the boundary."""
@@ -189,25 +199,37 @@ class _Rebuilder:
                 half = following[half]
                 if half == start:
                     break
+            if not chain:
+                raise NotCertified("reconstruct: the axis round a hole is shorter than its errors; ask for a finer tolerance")
             yield chain
 
     def _turn_round(self) -> dict[tuple[int, int], tuple[int, int]]:
         """For each side (segment, sense) the next one."""
-        runs, ends = self.axis.runs, self.envelope.ends
+        runs = self.axis.runs
         at_node: dict[int, list[tuple[float, tuple[int, int]]]] = {}
         following: dict[tuple[int, int], tuple[int, int]] = {}
         for g, (a, b) in enumerate(zip(runs.start_node.tolist(), runs.end_node.tolist(), strict=True)):
             if a < 0:
                 following[g, 1], following[g, -1] = (g, 1), (g, -1)
                 continue
-            away = ends.forward[self.first[g], 0], -ends.forward[self.first[g + 1] - 1, 1]
-            for node, d, sense in ((a, away[0], 1), (b, away[1], -1)):
+            for node, d, sense in ((a, self._away(g, 0), 1), (b, self._away(g, 1), -1)):
                 at_node.setdefault(node, []).append((math.atan2(d[1], d[0]), (g, sense)))
         for leaving in at_node.values():
             leaving.sort()
             for (_, (segment, sense)), (_, after) in zip(leaving, leaving[1:] + leaving[:1], strict=True):
                 following[segment, -sense] = after
         return following
+
+    def _away(self, segment: int, end: int) -> Floats:
+        """Where a segment goes from its start (0) or its end (1)."""
+        items = range(self.first[segment], self.first[segment + 1])
+        sign = -1.0 if end else 1.0
+        if items:
+            away: Floats = sign * self.envelope.ends.forward[items[-end], end]
+            return away
+        # one that is shorter than its errors has no sides; it still parts those of the others
+        away = sign * self.axis.evaluate(np.array([segment]), np.array([float(end)]))[0, 3:5]
+        return away
 
     def _gap(self, a: _Side, b: _Side) -> _Gap:
         """Step 3: what lies between the end of side a and the start of side b, at one disc."""

@@ -1,10 +1,10 @@
 """Curves of all strips, piece by piece: conics where the sides allow, else polynomials with a bounded error.
 
 Strips come in order and direction of travel. Where both sides of one run on in the next along the same curve (the disc between
-them touches where a Bezier was cut, not where it ends), the axis is as smooth there as anywhere: such strips are one *stretch*,
-and a polynomial may pass from one into the next (`stretch`). Joints of the boundary, where its curvature jumps, stay ends of
-pieces. A strip whose sides do not belong together, or whose end discs do not belong to its sides, cannot be followed; it is
-given up (NO_FIT).
+them touches where a curve was cut, here or in the input, not where it ends: `continuing`), the axis is as smooth there as
+anywhere: such strips are one *stretch*, and a polynomial may pass from one into the next (`stretch`). Joints of the boundary,
+where its curvature or a derivative of it jumps, stay ends of pieces. A strip whose sides do not belong together, or whose end
+discs do not belong to its sides, cannot be followed; it is given up (NO_FIT).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.curves.conics import MAX_TURN, conic, conic_kind, is_conic, swing
+from mat_core.curves.continuing import goes_on
 from mat_core.curves.pieces import (
     MAX_PIECES,
     NO_FIT,
@@ -30,7 +31,7 @@ from mat_core.curves.pieces import (
 from mat_core.curves.stretch import free_stretch
 from mat_core.curves.way import WAY_HI, WAY_LO, WAY_PARTNER, WAY_S0, WAY_S1, WAY_SITE
 from mat_core.kernels.jit import inner, jit
-from mat_core.kernels.layout import EDGE, KIND, LINE, LOOP, SPAN, SPIRAL
+from mat_core.kernels.layout import KIND, LINE
 from mat_core.tracing.strip import trace
 
 Floats = NDArray[np.float64]
@@ -38,19 +39,10 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-@inner
-def _goes_on(si: Ints, i: int, j: int) -> bool:
-    """Whether site j is i or the next part of the same Bezier."""
-    if i == j:
-        return True
-    cut = si[i, KIND] == SPIRAL and si[j, KIND] == SPIRAL
-    return bool(cut and si[i, LOOP] == si[j, LOOP] and si[i, EDGE] == si[j, EDGE] and si[i, SPAN] == si[j, SPAN])
-
-
 @jit
 def travel(
-    si: Ints, skeleton_i: Ints, skeleton_s: Floats, run_start: Ints, run_strip: Ints, run_forward: Flags, strip_i: Ints,
-    strip_s: Floats, joined: Flags,
+    si: Ints, sf: Floats, cp: Floats, skeleton_i: Ints, skeleton_s: Floats, run_start: Ints, run_strip: Ints, run_forward: Flags,
+    strip_i: Ints, strip_s: Floats, joined: Flags, work: Floats,
 ) -> None:
     """Rows of `strip_i` and `strip_s`: the strips of all runs one after the other, each in the direction of travel.
 
@@ -65,7 +57,9 @@ def travel(
                 strip_s[w, m] = skeleton_s[strip, m if run_forward[w] else 3 - m]
             joined[w] = False
             if w > run_start[g]:
-                joined[w] = _goes_on(si, strip_i[w - 1, 0], strip_i[w, 0]) and _goes_on(si, strip_i[w - 1, 1], strip_i[w, 1])
+                # u rises on the right and falls on the left
+                right = goes_on(si, sf, cp, strip_i[w - 1, 0], strip_i[w, 0], work)
+                joined[w] = right and goes_on(si, sf, cp, strip_i[w, 1], strip_i[w - 1, 1], work)
 
 
 @inner

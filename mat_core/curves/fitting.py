@@ -17,6 +17,7 @@ from mat_core.curves.pieces import NO_FIT, NO_ROOM, P_PART, P_ROW
 from mat_core.curves.way import END_COLUMNS, END_ROWS, MAX_STRIPS, SAMPLE_COLUMNS, WAITING
 from mat_core.errors import NotCertified
 from mat_core.kernels.layout import EDGE, LOOP
+from mat_core.model.edges import HIGHEST_DEGREE
 from mat_core.threads import Bounds, cut_between, each
 from mat_core.topology.graph import AxisGraph
 from mat_core.topology.skeleton import Skeleton
@@ -57,8 +58,8 @@ def fit_all(
     n = len(graph.run_strip)
     s = _Strips(np.empty((n, 4), dtype=np.int64), np.empty((n, 4)), np.empty(n, dtype=np.bool_),
                 np.empty((n, 2), dtype=np.int64), np.empty((n, 4)))  # fmt: skip
-    travel(table.si, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward, s.strip_i,
-           s.strip_s, s.joined)
+    travel(table.si, table.sf, table.cp, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward,
+           s.strip_i, s.strip_s, s.joined, np.empty((2 * HIGHEST_DEGREE + 2, 3)))
 
     def fit(part: Bounds) -> Pieces | int:
         return _fit_part(table, skeleton.disc, s, part, tolerance, degree)

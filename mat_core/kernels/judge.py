@@ -46,7 +46,7 @@ NEWTON = 60  # steps of the bracketed Newton iterations; halving alone ends in a
 INSET = 1e-3  # a first guess at an end is taken this share of the interval inside
 SETTLED = 1e-8  # a Newton step below this squares to rounding
 RETRIES = 6  # first guesses for a local foot
-CLOSE = 1e-10  # a foot this near to where a disc should touch is the one that was looked for
+CLOSE = 1e-11  # a foot this near to where a disc should touch is the one that was looked for; well below what a check forgives
 
 
 @inner

@@ -11,9 +11,10 @@ import pytest
 from mat_core import Domain, MedialAxis, medial_axis
 from mat_core.axis import Segment
 from mat_core.kernels.layout import EDGE, LOOP, SPAN
-from tests.curves.shapes import solved
+from tests.curves.shapes import shape, solved
 from tests.curves.test_bound import outlines
 from tests.families import smooth
+from tests.transforms import each_edge, inside, split
 
 Json = dict[str, Any]
 SHAPES = ("ellipse", "ellipse_4", "kidney", "blob", "blob_holes", "heart", "lens_one_edge", "mixed", "spiral")
@@ -56,11 +57,54 @@ def test_one_derivative_at_knots_between_fitted_pieces(name: str, tolerance: flo
             assert np.count_nonzero(s.knots == knot) < s.degree
 
 
+def parts_of(content: Json, shares: Iterable[float]) -> Json:
+    """Every edge given in parts."""
+    def cut(edge: Json) -> list[Json]:
+        rest, parts, done = edge, [], 0.0
+        for share in shares:
+            first, rest = split(rest, inside(rest, (share - done) / (1.0 - done)))
+            parts.append(first)
+            done = share
+        return [*parts, rest]
+    return each_edge({"outer": content["outer"], "holes": content.get("holes", [])}, cut)
+
+
+def passed(axis: MedialAxis) -> int:
+    """Discs between two strips that a polynomial passes."""
+    c, passed = axis.curves, 0
+    for s in axis.segments:
+        rows = slice(c.part_start[s.id] + 1, c.part_start[s.id + 1])
+        new = np.diff(c.part_strip[rows.start - 1 : rows.stop]) != 0
+        passed += int(np.count_nonzero(new & ~np.isin(c.part_f[rows, 0], s.knots)))
+    return passed
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+@pytest.mark.parametrize("name", ["ellipse_4", "kidney", "blob_holes", "parabola_cap", "mixed", "spiral", "heart"])
+def test_edges_given_in_parts_have_as_many_pieces(name: str, tolerance: float) -> None:
+    whole = solved(name, tolerance)
+    parts = medial_axis(Domain.from_dict(parts_of(shape(name), (0.13, 0.37, 0.5, 0.81))), tolerance=tolerance)
+    counts = [sum(len(spans(s)) for s in axis.segments) for axis in (whole, parts)]
+    assert len(parts.skeleton.strip_i) > len(whole.skeleton.strip_i)
+    assert passed(parts) > passed(whole)
+    assert counts[1] <= 1.1 * counts[0] + 1  # they end at other discs, so one more may be due
+
+
+@pytest.mark.parametrize("off", [1e-12, 1e-9, 1e-7])
+def test_what_only_looks_like_one_curve_is_none(off: float) -> None:
+    content = parts_of(shape("ellipse_4"), (0.5,))
+    assert passed(medial_axis(Domain.from_dict(content), tolerance=1e-3)) == 3
+    # every joint still is smooth, but one of two edges is another curve by `off`
+    for edge in content["outer"][::2]:
+        edge["control_points"][1][0] += off
+    assert passed(medial_axis(Domain.from_dict(content), tolerance=1e-3)) == 0
+
+
 def test_an_ellipse_is_cut_at_none_of_its_vertices() -> None:
     # one rational quadratic a quarter; the axis from leaf to leaf passes the disc at both ends of the minor axis
     (segment,) = solved("ellipse", 1e-3).segments
-    assert len(segment.pieces) == 2
     assert len(spans(segment)) <= 2
+    assert passed(solved("ellipse", 1e-3)) == 1
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])

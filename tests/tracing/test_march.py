@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import math
+import re
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -19,6 +20,7 @@ from mat_core.boundary.sites import build_sites
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.layout import KIND, SPIRAL
 from mat_core.tolerances import LADDER
+from mat_core.tracing.march import default_step
 from mat_core.tracing.march.checks import nearest
 from tests.families import CATALOGUE, bezier, circle_hole, line, polygon_random, polyline, rectangle, shape, star_shaped
 from tests.paper_shapes import PAPER_SHAPES, illustration, pocket, small_hole, twice
@@ -255,12 +257,20 @@ def test_too_many_steps_are_refused_beforehand() -> None:
     with pytest.raises(UnsupportedOption, match="2000000") as refusal:
         medial_axis(domain_of(rectangle()), method="march", step=1e-6)
     assert refusal.value.option == "step"
-    # a tiny edge asks for a tiny default step
+    named = re.search(r"give (\S+) or more", str(refusal.value))
+    assert named is not None
+    assert float(named[1]) == pytest.approx(3 / 2e6, rel=0.1)  # its boundary is three times its size
+
+
+def test_an_edge_that_is_tiny_among_others_does_not_make_the_default_step_as_tiny() -> None:
     nicked = shape("nicked", polyline([(0, 0), (1, 0), (1, 1), (0.5, 1), (0.5 - 1e-6, 1 + 1e-6), (0, 1)]))
-    with pytest.raises(UnsupportedOption, match="longer step") as refusal:
-        medial_axis(domain_of(nicked), method="march")
-    assert refusal.value.option == "method"
+    table = build_sites(domain_of(nicked), 1e-6, LADDER[0])
+    size = domain_of(nicked).size * table.scale
+    assert 4 / 200_000 < default_step(table, size) / table.scale < 5 / 200_000  # four sides, and the normals of a fan
     check(nicked, step=1e-3)
+    ordinary = build_sites(domain_of(rectangle()), 1e-6, LADDER[0])
+    size = domain_of(rectangle()).size * ordinary.scale
+    assert default_step(ordinary, size) == 1e-3 * size
 
 
 def test_an_unknown_method_names_those_there_are() -> None:

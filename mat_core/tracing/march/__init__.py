@@ -36,15 +36,26 @@ from mat_core.tracing.march.walk import March
 
 DEFAULT_STEP = 1e-3  # section 6, for domains scaled to 1
 EDGE_SHARE = 0.01  # section 6: one hundredth of the smallest edge, if that is smaller
+MOST_DEFAULT_STEPS = 200_000  # ours: an edge that is very small among others does not make the default step as small; some seconds
 DEFAULT_CHECK_STEP = 10  # section 6: "an order of magnitude greater"
 MOST_STEPS = 2_000_000
+ROUNDED_UP = 1.05  # what rounding to two digits may take from the step that an error names
 
 
 def default_step(table: SiteTable, size: float) -> float:
-    """Section 6: 0.001 of the size, or one hundredth of the smallest edge of the input, whichever is smaller; normalised."""
+    """Section 6: 0.001 of the size, or one hundredth of the smallest edge of the input, whichever is smaller; normalised.
+
+    Not so small that all steps would be more than `MOST_DEFAULT_STEPS`.
+    """
     _, edge = np.unique(table.si[:, [LOOP, EDGE]], axis=0, return_inverse=True)
     lengths = np.bincount(edge.ravel(), weights=table.sf[:, LEN])  # fans have none
-    return min(DEFAULT_STEP * size, EDGE_SHARE * float(lengths.min()))
+    return max(min(DEFAULT_STEP * size, EDGE_SHARE * float(lengths.min())), _way(table) / MOST_DEFAULT_STEPS)
+
+
+def _way(table: SiteTable) -> float:
+    """What is stepped along in all, normalised: no part of the boundary twice, whichever side of a pair it is."""
+    fans = table.si[:, KIND] == FAN
+    return float(np.sum(table.sf[:, LEN]) + np.sum(np.abs(table.sf[fans, SWEEP])) / DUMMY_EDGES)
 
 
 def march(table: SiteTable, size: float, step: float | None = None, check_step: int | None = None) -> Skeleton:
@@ -56,7 +67,7 @@ def march(table: SiteTable, size: float, step: float | None = None, check_step: 
     size : float
         Larger side of the domain, normalised.
     step : float, optional
-        Tracing step, relative to the size; default: 0.001, or one hundredth of the smallest edge if that is smaller.
+        Tracing step, relative to the size; by default `default_step`.
     check_step : int, optional
         Tracing steps from one check for a branch point to the next; default 10.
 
@@ -68,7 +79,7 @@ def march(table: SiteTable, size: float, step: float | None = None, check_step: 
     Raises
     ------
     UnsupportedOption
-        There is no convex vertex to start from (method), or the steps would be too many (step).
+        There is no convex vertex to start from (method), or the steps would be too many (step); names one that will do.
     NotCertified
         The march lost its way; says where and why.
     """
@@ -77,12 +88,10 @@ def march(table: SiteTable, size: float, step: float | None = None, check_step: 
             "method", '"march" starts at a convex vertex (section 4 of the paper) and this domain has none; use "discs"'
         )
     length = step * size if step is not None else default_step(table, size)
-    # no part of the boundary is stepped along twice, whichever side of a pair it is
-    steps = float(np.sum(table.sf[:, LEN]) + np.sum(np.abs(table.sf[table.si[:, KIND] == FAN, SWEEP])) / DUMMY_EDGES) / length
-    if not steps <= MOST_STEPS:
-        told = f"steps of {length / size:.3g} of the size are some {steps:.3g} along this boundary, more than {MOST_STEPS}"
-        advice = 'give a longer step or use method "discs"'
-        raise UnsupportedOption("step" if step is not None else "method", f"{told}; {advice}")
+    if not _way(table) <= MOST_STEPS * length:
+        told = f"steps of {length / size:.3g} of the size are some {_way(table) / length:.3g} along this boundary, more than {MOST_STEPS}"
+        least = ROUNDED_UP * _way(table) / (MOST_STEPS * size)
+        raise UnsupportedOption("step", f'{told}; give {least:.2g} or more, or use method "discs"')
     walk = March(table, length, check_step or DEFAULT_CHECK_STEP)
     walk.run()
     return walk.record.skeleton()
