@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import Awaitable, Callable
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from starlette.requests import ClientDisconnect
 
 from service import caching
+from service.bodies import announced_bytes, read_body
 from service.caching import Kept, ResultCache
-from service.compression import expanded
 from service.errors import RequestError
 from service.negotiation import (
     FORMATS,
@@ -47,9 +47,6 @@ PrecisionParameter = Annotated[
 ]
 
 VARY = "Accept, Accept-Encoding"
-
-LONGEST_LENGTH = 18  # digits of a Content-Length that is believed; any other body is counted as it comes
-
 
 def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
     """The function behind the route of an operation."""
@@ -110,7 +107,7 @@ async def _answer_now(request: Request, order: Order, body: bytes, wishes: Prefe
     if kept is not None:
         request.state.cache = "hit"
         headers = {**kept.headers, "Server-Timing": "cache;desc=hit", "Cache-Status": "mat; hit", **wishes.headers}
-        return Response(kept.content, headers=headers, media_type=kept.media_type)
+        return InPieces(kept.pieces, headers, kept.media_type)
     reply = await _solve_unless_disconnected(request, {**header, "gzip": gzip}, body, wishes.wait)
     media_type = FORMATS["json"] if reply.header.get("whole") else FORMATS[reply.header.get("format", order.form)]
     headers = {"Vary": VARY}
@@ -118,10 +115,10 @@ async def _answer_now(request: Request, order: Order, body: bytes, wishes: Prefe
         headers["Content-Encoding"] = "gzip"
     if versions and versions == pool.about:
         headers["ETag"] = tag
-        cache.put(digest, gzip, Kept(reply.body, headers, media_type))
+        cache.put(digest, gzip, Kept(reply.pieces, headers, media_type))
     timing = ", ".join(f"{name};dur={value:.3f}" for name, value in request.state.timings.items())
     told = {"Server-Timing": timing, "Cache-Status": "mat; fwd=miss", **wishes.headers}
-    return InPieces(reply.body, headers=headers | told, media_type=media_type)
+    return InPieces(reply.pieces, headers | told, media_type)
 
 
 async def _look(request: Request, order: Order, body: bytes) -> Order:
@@ -135,37 +132,6 @@ async def _look(request: Request, order: Order, body: bytes) -> Order:
 def queue_full() -> RequestError:
     """The refusal of a request that there is no room for."""
     return RequestError("queue-full", "As many requests wait as may wait; this one was not started.")
-
-
-def announced_bytes(request: Request) -> int:
-    """The size of the body as its header has it; 0 where it says nothing."""
-    announced = request.headers.get("content-length", "")
-    return int(announced) if announced.isascii() and announced.isdigit() and len(announced) <= LONGEST_LENGTH else 0
-
-
-async def read_body(request: Request, limit: int, compressed: bool = False) -> bytes:
-    """The body, expanded if need be, refused as soon as it is known to be too large.
-
-    Its bytes are counted, whatever its header promises; those that it expands to are counted, too.
-    """
-    pieces = _arriving(request, limit)
-    body = bytearray()
-    async for piece in expanded(pieces, limit) if compressed else pieces:
-        body += piece
-    return bytes(body)
-
-
-async def _arriving(request: Request, limit: int) -> AsyncIterator[bytes]:
-    """The body as it comes, up to its limit."""
-    too_large = RequestError("body-too-large", f"The limit is {limit} bytes.", headers={"Connection": "close"})
-    if announced_bytes(request) > limit:
-        raise too_large
-    request.state.bytes_in = 0
-    async for piece in request.stream():
-        request.state.bytes_in += len(piece)
-        if request.state.bytes_in > limit:
-            raise too_large
-        yield piece
 
 
 async def _solve_unless_disconnected(request: Request, header: dict[str, Any], body: bytes, wait: int | None) -> Reply:
