@@ -31,6 +31,7 @@ from service.preferences import Preferences, read_preferences
 from service.responses import InPieces
 from service.routes import jobs
 from service.settings import Settings
+from service.workers.lanes import Lane
 from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
 
 router = APIRouter(tags=["medial axis"])
@@ -47,6 +48,12 @@ PrecisionParameter = Annotated[
 ]
 
 VARY = "Accept, Accept-Encoding"
+
+LOOK_SECONDS = 1.0
+"""How long a look at the body of a job may take, waiting included."""
+
+BUSY = ("queue-full", "deadline-exceeded", "worker-crashed")
+"""Codes that say nothing of a body."""
 
 def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
     """The function behind the route of an operation."""
@@ -86,8 +93,7 @@ async def answer(request: Request, order: Order) -> Response:
         raise queue_full()  # before its body takes memory here
     body = await read_body(request, settings.max_body_bytes, compressed)
     if wishes.respond_async:
-        if "execute" in order.options:
-            order = await _look(request, order, body)
+        order = await _looked_at(request, order, body)
         return await jobs.submit(request, order, body, wishes)
     return await _answer_now(request, order, body, wishes)
 
@@ -121,10 +127,24 @@ async def _answer_now(request: Request, order: Order, body: bytes, wishes: Prefe
     return InPieces(reply.pieces, headers | told, media_type)
 
 
-async def _look(request: Request, order: Order, body: bytes) -> Order:
-    """The order of a job with the format that its execute request names, which only a worker reads."""
-    header = order.header(request.app.state.settings)
-    reply = await _solve_unless_disconnected(request, {**header, "look": True}, body, None)
+async def _looked_at(request: Request, order: Order, body: bytes) -> Order:
+    """The order of a job, once a worker has looked at its body: what is wrong with it is told at once, and is no job.
+
+    Large bodies are left to the job, and so are all while the workers have no time: a job is not refused for the load. Only the
+    format that an execute request names has to be known before.
+    """
+    pool: Pool = request.app.state.pool
+    small = Lane.of(len(body), job=False) is Lane.SMALL
+    execute = "execute" in order.options
+    if not execute and not (small and pool.ready):
+        return order
+    header = {**order.header(request.app.state.settings), "look": "domain" if small else "frame"}
+    try:
+        reply = await _solve_unless_disconnected(request, header, body, None if execute else LOOK_SECONDS)
+    except RequestError as error:
+        if execute or error.code not in BUSY:
+            raise
+        return order
     form: Format = "json" if reply.header["whole"] else reply.header["format"]
     return Order(order.operation, form, order.options)
 
@@ -134,7 +154,7 @@ def queue_full() -> RequestError:
     return RequestError("queue-full", "As many requests wait as may wait; this one was not started.")
 
 
-async def _solve_unless_disconnected(request: Request, header: dict[str, Any], body: bytes, wait: int | None) -> Reply:
+async def _solve_unless_disconnected(request: Request, header: dict[str, Any], body: bytes, wait: float | None) -> Reply:
     """Wait for the answer and for the client's going away, whichever comes first; the latter frees the worker."""
     pool: Pool = request.app.state.pool
     longest = request.app.state.settings.deadline_seconds

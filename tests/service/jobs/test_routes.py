@@ -125,10 +125,17 @@ def test_a_failed_job_answers_with_its_own_problem(client: TestClient) -> None:
     assert problem(client.get(f"/v1/jobs/{job}/results"), "invalid-domain")["problems"] == [fault]
 
 
-def test_a_body_that_is_no_json_fails_its_job(client: TestClient) -> None:
-    job = client.post("/v1/mat", content=b"{]", headers=ASYNC).json()["jobID"]
-    until(client, job, "failed")
-    problem(client.get(f"/v1/jobs/{job}/results"), "not-json")
+def test_what_is_wrong_with_a_body_is_told_at_once_and_is_no_job(client: TestClient) -> None:
+    before = client.get("/v1/jobs").json()["jobs"]
+    problem(client.post("/v1/mat", content=b"{]", headers=ASYNC | {"Idempotency-Key": "mend it"}), "not-json")
+    assert client.get("/v1/jobs").json()["jobs"] == before
+    assert post(client, {}, **{"Idempotency-Key": "mend it"}).status_code == 201
+
+
+def test_a_body_that_workers_have_no_time_to_look_at_is_left_to_its_job(client: TestClient) -> None:
+    made = post(client, {"name": "unseen", "look_seconds": 30})
+    assert made.status_code == 201
+    until(client, made.json()["jobID"], "successful")
 
 
 def test_a_worker_that_dies_each_time_fails_its_job(client: TestClient) -> None:
