@@ -23,6 +23,7 @@ from typing import Any
 from starlette.datastructures import Headers
 
 from service.errors import RequestError
+from service.workers.channel import Pieces
 
 INLINE_BYTES = 256 * 1024
 """Bodies up to this are hashed at once, in a quarter of a millisecond; larger ones in a thread."""
@@ -85,9 +86,14 @@ def unchanged(method: str, headers: Headers, current: str) -> bool:
 class Kept:
     """An answer as it goes out."""
 
-    content: bytes
+    pieces: Pieces
     headers: Mapping[str, str]
     media_type: str
+
+    @property
+    def size(self) -> int:
+        """Bytes of the answer."""
+        return sum(map(len, self.pieces))
 
 
 class ResultCache:
@@ -115,11 +121,11 @@ class ResultCache:
 
     def put(self, digest: str, compressed: bool, answer: Kept) -> None:
         """Keep an answer, in the place of those that were not asked for in the longest time."""
-        key, size = (digest, compressed), len(answer.content)
+        key, size = (digest, compressed), answer.size
         if key in self._kept or LARGEST_SHARE * size > self._limit:
             return
         self._kept[key] = answer
         self._bytes += size
         while self._bytes > self._limit:
             _, dropped = self._kept.popitem(last=False)
-            self._bytes -= len(dropped.content)
+            self._bytes -= dropped.size

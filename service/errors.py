@@ -13,6 +13,7 @@
     no-such-process         404     the client: the address
     method-not-allowed      405     the client: the verb
     not-acceptable          406     the client: the Accept header
+    upload-timeout          408     the client: a faster line, or the operator's limit
     idempotency-key-in-flight  409  nobody: the same request is being received
     job-dismissed           410     the client: it dismissed the job
     precondition-failed     412     nobody: the client has this answer already, or wanted another version
@@ -72,6 +73,7 @@ ERRORS: dict[str, ErrorKind] = {
     "no-such-process": ErrorKind(404, "There is no process of this name", uri=f"{OGC}/no-such-process"),
     "method-not-allowed": ErrorKind(405, "This address does not answer this method"),
     "not-acceptable": ErrorKind(406, "None of the formats asked for is available"),
+    "upload-timeout": ErrorKind(408, "The body did not come in time"),
     "idempotency-key-in-flight": ErrorKind(409, "A request with this Idempotency-Key is being received"),
     "job-dismissed": ErrorKind(410, "The job was dismissed"),
     "precondition-failed": ErrorKind(412, "The condition of the request does not hold"),

@@ -67,7 +67,7 @@ OWN_CODES = {
     "/v1/jobs/{job_id}": ["not-found", "store-unavailable"],
     "/v1/jobs/{job_id}/results": [code for code in ERRORS if code not in ("method-not-allowed", "not-ready")],
     "/v1/batches": [
-        *("not-json", "not-gzip", "idempotency-key-in-flight", "body-too-large", "unsupported-media-type"),
+        *("not-json", "not-gzip", "upload-timeout", "idempotency-key-in-flight", "body-too-large", "unsupported-media-type"),
         *("idempotency-key-reused", "store-unavailable"),
     ],
     **{f"/v1/{name}": [code for code in SOLVING if code != "no-such-process"] for name in OPERATIONS},

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+from collections import deque
+from collections.abc import Mapping
 from http import HTTPStatus
 
 import orjson
@@ -18,6 +20,7 @@ from service import caching, compression
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
 from service.negotiation import accepts_gzip
 from service.observability.telemetry import note_code
+from service.workers.channel import Pieces
 
 _log = logging.getLogger("service")
 
@@ -27,22 +30,22 @@ SHOWN = 200
 """Characters of an address or a name that a problem document repeats."""
 
 
-PIECE_BYTES = 256 * 1024
-"""Of an answer that is handed to its connection at a time."""
-
-
 class InPieces(Response):
-    """A large answer that goes out as the client takes it: the connection's buffer never holds, and so never copies, all of it.
+    """An answer that goes out in the pieces that it came in, as the client takes it, each forgotten once it is out.
 
-    Copying 45 MB holds up the event loop, and with it every other request, for some 20 ms.
+    To copy 45 MB, or to give them back at once, would hold up the event loop, and with it every other request, for some 20 ms.
     """
+
+    def __init__(self, pieces: Pieces, headers: Mapping[str, str], media_type: str) -> None:
+        super().__init__(None, 200, {**headers, "Content-Length": str(sum(map(len, pieces)))}, media_type)
+        self._pieces = deque(pieces or (b"",))
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send the answer."""
         await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
-        for begin in range(0, max(1, len(self.body)), PIECE_BYTES):
-            piece = self.body[begin : begin + PIECE_BYTES]
-            await send({"type": "http.response.body", "body": piece, "more_body": begin + PIECE_BYTES < len(self.body)})
+        while self._pieces:
+            piece = self._pieces.popleft()
+            await send({"type": "http.response.body", "body": piece, "more_body": bool(self._pieces)})
 
 
 def problem_response(error: RequestError, request: Request) -> Response:

@@ -60,6 +60,13 @@ def _role(text: str) -> str:
     return text.lower()
 
 
+def _priority(text: str) -> str:
+    """idle, low or normal"""
+    if text.lower() not in ("idle", "low", "normal"):
+        raise ValueError
+    return text.lower()
+
+
 def _name(text: str) -> str:
     """up to 64 letters, digits, dots, hyphens and underscores, or nothing at all"""
     if not re.fullmatch(r"[A-Za-z0-9._-]{0,64}", text):
@@ -120,12 +127,18 @@ class Settings:
     workers : int
         Domains solved at a time, so the number of cores to use. While jobs or long requests use all of them, one more process
         works for the requests that go before (`service.workers.lanes`), and one more is kept warm.
+    long_priority : str
+        How workers with long work (large bodies, jobs, all that takes more than a second) share processors with everything else.
+        idle: they get what is left, so that small requests are as fast as ever; low: at least a tenth, which suits a machine
+        whose processors other programs keep busy; normal: as much as the others.
     max_body_bytes : int
         Largest request body, counted as it arrives and, if it is compressed, again as it expands; a larger one is answered 413.
     max_edges, max_control_points : int
         Largest domain; a larger one is answered 422 too-complex.
     deadline_seconds : float
         Longest time from a request's arrival to its answer, waiting included; then its worker is killed.
+    upload_seconds : float
+        How long a request's body is waited for, and a second more for each 16 KiB that have come; then the answer is 408.
     queue_limit : int
         Requests that may wait for a worker in each of the two lanes, small and long; one more is answered 503 at once.
     worker_memory_bytes : int
@@ -171,8 +184,10 @@ class Settings:
     """
 
     workers: int = field(default=2, metadata={"read": _integer(1, 256)})
+    long_priority: str = field(default="idle", metadata={"read": _priority})
     max_body_bytes: int = field(default=16 * MIB, metadata={"read": _integer(KIB, 1024 * MIB)})
     deadline_seconds: float = field(default=30.0, metadata={"read": _seconds(0.05, 86_400)})
+    upload_seconds: float = field(default=30.0, metadata={"read": _seconds(0.05, 86_400)})
     queue_limit: int = field(default=64, metadata={"read": _integer(0, 100_000)})
     worker_memory_bytes: int = field(default=1024 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
     worker_recycle_bytes: int = field(default=512 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})

@@ -42,7 +42,7 @@ class DbosJobs:
 
     async def submit(self, order: Order, body: bytes, key: str | None, owner: str | None) -> Job:
         """See `service.jobs.port.Jobs`."""
-        fingerprint = _fingerprint(order, hashlib.sha256(body).hexdigest())
+        fingerprint = _fingerprint(order, await asyncio.to_thread(_hash, body))
         with self._receive(owner, key):
             if (known := await self._known(owner, key, fingerprint)) is not None:
                 return known
@@ -158,6 +158,10 @@ class DbosJobs:
             return known
         self._keeper.wake()
         return job
+
+
+def _hash(body: bytes) -> str:
+    return hashlib.sha256(body).hexdigest()
 
 
 def _fingerprint(order: Order, digest: str) -> str:

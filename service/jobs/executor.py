@@ -22,6 +22,7 @@ from typing import Any
 
 import sqlalchemy as sa
 from dbos import DBOS, DBOSClient, DBOSConfig
+from dbos import error as dbos_error
 from dbos._core import execute_dequeued_workflow
 
 from service.jobs.port import StoreUnavailable
@@ -235,13 +236,18 @@ class Executor:
 
 
 class _Ours(logging.Handler):
-    """Sends what DBOS logs to the service's log, without repetitions."""
+    """Sends what DBOS logs to the service's log, without repetitions, and without what is no news.
+
+    That an execution ends whose workflow was cancelled, removed or taken over meanwhile is how a dismissal may look from below.
+    """
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
         self._last: dict[tuple[str, int], float] = {}
 
     def emit(self, record: logging.LogRecord) -> None:
+        if record.getMessage().endswith(_OVERTAKEN) or isinstance(record.exc_info and record.exc_info[1], _OVERTAKEN_ERRORS):
+            return
         place, now = (record.pathname, record.lineno), time.monotonic()
         if now - self._last.get(place, -QUIET_SECONDS) >= QUIET_SECONDS:
             self._last[place] = now
@@ -254,6 +260,12 @@ def _told(record: logging.LogRecord) -> str:
     lines = [line for line in text.splitlines() if line and not line.startswith(_TRACE)]
     return " ".join(dict.fromkeys(lines))
 
+
+_OVERTAKEN = "recorded outcome"
+"""How each warning ends that an execution is not the one whose outcome counts."""
+
+_OVERTAKEN_ERRORS = (dbos_error.DBOSNonExistentWorkflowError, dbos_error.DBOSAwaitedWorkflowCancelledError)
+"""What such an execution then finds out."""
 
 _TRACE = (" ", "\t", "Traceback", "(Background", "The above exception")
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 import importlib
 import logging
 import socket
@@ -130,6 +131,7 @@ class Keeper:
                     _log.error("the job store cannot be opened, which is tried again and again: %s", reason)
                     told = reason
                 await asyncio.sleep(OPEN_SECONDS)
+        gc.freeze()  # what was loaded stays: a full collection that goes through it holds up everything for a tenth of a second
         sweeps = beats = 0
         pause = min(SWEEP_SECONDS, max(RENEW_SECONDS, self._settings.job_retention_seconds / 2))
         while True:

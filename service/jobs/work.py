@@ -12,7 +12,7 @@ import contextlib
 import logging
 import time
 import uuid
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator, Callable, Sequence
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
@@ -88,7 +88,7 @@ class Work:
                 failed = await self._solve_lines(job, chunk, body, written)
             else:
                 failed = 0
-                await self._patiently(_append, written, 0, (await self._solve(store, job, body)).body)
+                await self._patiently(_append, written, 0, (await self._solve(store, job, body)).pieces)
             digest = await self._patiently(self._blobs.adopt, written)
             noted = await self._calls.insist(store.finish_chunk, job.id, chunk.number, digest, failed, self._enqueue)
             if not noted:  # the job is gone, or another executor was first
@@ -159,10 +159,10 @@ class Work:
                 waiting += (line, b"\n")
                 waiting_bytes += len(line) + 1
                 if waiting_bytes > WRITE_BYTES:
-                    await self._patiently(_append, written, size, b"".join(waiting))
+                    await self._patiently(_append, written, size, waiting)
                     size += waiting_bytes
                     waiting, waiting_bytes = [], 0
-        await self._patiently(_append, written, size, b"".join(waiting))
+        await self._patiently(_append, written, size, waiting)
         return failed
 
     def _header(self, job: Job) -> dict[str, Any]:
@@ -203,8 +203,8 @@ class Work:
             await self._patiently(self._blobs.put, content)
 
 
-def _append(file: Path, size: int, content: bytes) -> None:
+def _append(file: Path, size: int, pieces: Sequence[bytes]) -> None:
     """Write to the end of a file that has a certain size; what an attempt before left beyond that is dropped."""
     with file.open("ab") as opened:
         opened.truncate(size)
-        opened.write(content)
+        opened.writelines(pieces)

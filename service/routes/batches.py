@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.compression import expanded
+from service.bodies import arriving
 from service.errors import RequestError
 from service.jobs.port import BatchRefused
 from service.negotiation import check_coding
@@ -15,7 +14,7 @@ from service.operations import OPERATIONS
 from service.orders import Order
 from service.preferences import Preferences
 from service.routes.jobs import LINES, created, idempotency_key, jobs_of, owner_of, refusals
-from service.routes.solve import PrecisionParameter, announced_bytes
+from service.routes.solve import PrecisionParameter
 
 router = APIRouter(tags=["jobs"])
 
@@ -41,21 +40,11 @@ async def batch(
     compressed = check_coding(request.headers)
     key = idempotency_key(request)
     limit = request.app.state.settings.max_batch_bytes
-    if announced_bytes(request) > limit:
-        raise RequestError("body-too-large", f"The limit of a batch is {limit} bytes.", headers={"Connection": "close"})
     order = Order(operation, "json", {} if precision is None else {"precision": precision})
-    lines = expanded(_counted(request), limit) if compressed else _counted(request)
+    lines = arriving(request, limit, compressed)
     with refusals():
         try:
             job = await jobs_of(request).submit_batch(order, lines, key, owner_of(request))
         except BatchRefused as error:
             raise RequestError(error.code, error.detail, {"line": error.line}, {"Connection": "close"}) from None
     return created(request, job, Preferences())
-
-
-async def _counted(request: Request) -> AsyncIterator[bytes]:
-    """The body as it comes, its bytes counted for the log."""
-    request.state.bytes_in = 0
-    async for piece in request.stream():
-        request.state.bytes_in += len(piece)
-        yield piece

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import Awaitable, Callable
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from starlette.requests import ClientDisconnect
 
 from service import caching
+from service.bodies import announced_bytes, read_body
 from service.caching import Kept, ResultCache
-from service.compression import expanded
 from service.errors import RequestError
 from service.negotiation import (
     FORMATS,
@@ -31,6 +31,7 @@ from service.preferences import Preferences, read_preferences
 from service.responses import InPieces
 from service.routes import jobs
 from service.settings import Settings
+from service.workers.lanes import Lane
 from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
 
 router = APIRouter(tags=["medial axis"])
@@ -48,8 +49,11 @@ PrecisionParameter = Annotated[
 
 VARY = "Accept, Accept-Encoding"
 
-LONGEST_LENGTH = 18  # digits of a Content-Length that is believed; any other body is counted as it comes
+LOOK_SECONDS = 1.0
+"""How long a look at the body of a job may take, waiting included."""
 
+BUSY = ("queue-full", "deadline-exceeded", "worker-crashed")
+"""Codes that say nothing of a body."""
 
 def endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
     """The function behind the route of an operation."""
@@ -89,8 +93,7 @@ async def answer(request: Request, order: Order) -> Response:
         raise queue_full()  # before its body takes memory here
     body = await read_body(request, settings.max_body_bytes, compressed)
     if wishes.respond_async:
-        if "execute" in order.options:
-            order = await _look(request, order, body)
+        order = await _looked_at(request, order, body)
         return await jobs.submit(request, order, body, wishes)
     return await _answer_now(request, order, body, wishes)
 
@@ -110,7 +113,7 @@ async def _answer_now(request: Request, order: Order, body: bytes, wishes: Prefe
     if kept is not None:
         request.state.cache = "hit"
         headers = {**kept.headers, "Server-Timing": "cache;desc=hit", "Cache-Status": "mat; hit", **wishes.headers}
-        return Response(kept.content, headers=headers, media_type=kept.media_type)
+        return InPieces(kept.pieces, headers, kept.media_type)
     reply = await _solve_unless_disconnected(request, {**header, "gzip": gzip}, body, wishes.wait)
     media_type = FORMATS["json"] if reply.header.get("whole") else FORMATS[reply.header.get("format", order.form)]
     headers = {"Vary": VARY}
@@ -118,16 +121,30 @@ async def _answer_now(request: Request, order: Order, body: bytes, wishes: Prefe
         headers["Content-Encoding"] = "gzip"
     if versions and versions == pool.about:
         headers["ETag"] = tag
-        cache.put(digest, gzip, Kept(reply.body, headers, media_type))
+        cache.put(digest, gzip, Kept(reply.pieces, headers, media_type))
     timing = ", ".join(f"{name};dur={value:.3f}" for name, value in request.state.timings.items())
     told = {"Server-Timing": timing, "Cache-Status": "mat; fwd=miss", **wishes.headers}
-    return InPieces(reply.body, headers=headers | told, media_type=media_type)
+    return InPieces(reply.pieces, headers | told, media_type)
 
 
-async def _look(request: Request, order: Order, body: bytes) -> Order:
-    """The order of a job with the format that its execute request names, which only a worker reads."""
-    header = order.header(request.app.state.settings)
-    reply = await _solve_unless_disconnected(request, {**header, "look": True}, body, None)
+async def _looked_at(request: Request, order: Order, body: bytes) -> Order:
+    """The order of a job, once a worker has looked at its body: what is wrong with it is told at once, and is no job.
+
+    Large bodies are left to the job, and so are all while the workers have no time: a job is not refused for the load. Only the
+    format that an execute request names has to be known before.
+    """
+    pool: Pool = request.app.state.pool
+    small = Lane.of(len(body), job=False) is Lane.SMALL
+    execute = "execute" in order.options
+    if not execute and not (small and pool.ready):
+        return order
+    header = {**order.header(request.app.state.settings), "look": "domain" if small else "frame"}
+    try:
+        reply = await _solve_unless_disconnected(request, header, body, None if execute else LOOK_SECONDS)
+    except RequestError as error:
+        if execute or error.code not in BUSY:
+            raise
+        return order
     form: Format = "json" if reply.header["whole"] else reply.header["format"]
     return Order(order.operation, form, order.options)
 
@@ -137,38 +154,7 @@ def queue_full() -> RequestError:
     return RequestError("queue-full", "As many requests wait as may wait; this one was not started.")
 
 
-def announced_bytes(request: Request) -> int:
-    """The size of the body as its header has it; 0 where it says nothing."""
-    announced = request.headers.get("content-length", "")
-    return int(announced) if announced.isascii() and announced.isdigit() and len(announced) <= LONGEST_LENGTH else 0
-
-
-async def read_body(request: Request, limit: int, compressed: bool = False) -> bytes:
-    """The body, expanded if need be, refused as soon as it is known to be too large.
-
-    Its bytes are counted, whatever its header promises; those that it expands to are counted, too.
-    """
-    pieces = _arriving(request, limit)
-    body = bytearray()
-    async for piece in expanded(pieces, limit) if compressed else pieces:
-        body += piece
-    return bytes(body)
-
-
-async def _arriving(request: Request, limit: int) -> AsyncIterator[bytes]:
-    """The body as it comes, up to its limit."""
-    too_large = RequestError("body-too-large", f"The limit is {limit} bytes.", headers={"Connection": "close"})
-    if announced_bytes(request) > limit:
-        raise too_large
-    request.state.bytes_in = 0
-    async for piece in request.stream():
-        request.state.bytes_in += len(piece)
-        if request.state.bytes_in > limit:
-            raise too_large
-        yield piece
-
-
-async def _solve_unless_disconnected(request: Request, header: dict[str, Any], body: bytes, wait: int | None) -> Reply:
+async def _solve_unless_disconnected(request: Request, header: dict[str, Any], body: bytes, wait: float | None) -> Reply:
     """Wait for the answer and for the client's going away, whichever comes first; the latter frees the worker."""
     pool: Pool = request.app.state.pool
     longest = request.app.state.settings.deadline_seconds

@@ -2,18 +2,29 @@
 
 A half message is never handed on. Waiting for a message may be cancelled without losing any, so a caller can look at a clock
 and go on waiting.
+
+The body of a large message is never in one piece here. It is kept as it came from the socket and sent as the socket takes it:
+to copy, or to give back, a hundred megabytes at once would hold up the event loop, and with it every other request.
 """
 
 from __future__ import annotations
 
 import asyncio
 from collections import deque
+from collections.abc import Iterator
+from typing import cast
 
 import orjson
 
 from service.workers import wire
 
-Message = tuple[wire.Header, bytes]
+Pieces = tuple[bytes, ...]
+"""A body, as it came: one piece after the other."""
+
+Message = tuple[wire.Header, Pieces]
+
+PIECE_BYTES = 256 * 1024
+"""Of a body that is handed to the socket at a time."""
 
 
 class ChannelClosed(Exception):
@@ -35,9 +46,10 @@ class Channel(asyncio.Protocol):
 
     def __init__(self) -> None:
         self._transport: asyncio.Transport | None = None
-        self._buffer = bytearray()
+        self._incoming = Incoming()
         self._messages: deque[Message] = deque()
         self._arrival: asyncio.Future[None] | None = None
+        self._room: asyncio.Future[None] | None = None  # while the socket takes no more
         self._end: ChannelClosed | None = None
 
     @property
@@ -50,10 +62,14 @@ class Channel(asyncio.Protocol):
         """Whether a message can be had without waiting."""
         return bool(self._messages)
 
-    def send(self, header: wire.Header, body: bytes) -> None:
-        """Send one message; that the worker has ended is found by `receive`."""
-        if self._transport is not None and not self.closed:
-            self._transport.writelines(wire.pack(header, body))
+    async def send(self, header: wire.Header, body: bytes) -> None:
+        """Send one message, at the pace of the worker; that it has ended is found by `receive`."""
+        self._write(wire.pack(header, len(body)))
+        with memoryview(body) as view:
+            for begin in range(0, len(body), PIECE_BYTES):
+                if self._room is not None:
+                    await self._room
+                self._write(view[begin : begin + PIECE_BYTES])
 
     async def receive(self) -> Message:
         """The next message.
@@ -87,33 +103,75 @@ class Channel(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Called by the event loop."""
-        assert isinstance(transport, asyncio.Transport)
-        self._transport = transport
+        self._transport = cast("asyncio.Transport", transport)  # by what it does: not every loop's is one by its class
 
     def data_received(self, data: bytes) -> None:
         """Called by the event loop: keep the whole messages, and the beginning of the next."""
-        self._buffer += data
-        begin = 0
-        while len(self._buffer) - begin >= wire.FRAME.size:
-            head_size, body_size = wire.FRAME.unpack_from(self._buffer, begin)
-            body_begin = begin + wire.FRAME.size + head_size
-            end = body_begin + body_size
-            if len(self._buffer) < end:
-                break
-            with memoryview(self._buffer) as view:
-                header = orjson.loads(view[begin + wire.FRAME.size : body_begin])
-                self._messages.append((header, bytes(view[body_begin:end])))
-            begin = end
-        del self._buffer[:begin]
+        self._messages.extend(self._incoming.feed(data))
         if self._messages:
-            self._wake()
+            _wake(self._arrival)
+
+    def pause_writing(self) -> None:
+        """Called by the event loop: the worker does not read as fast as it is written to."""
+        self._room = asyncio.get_running_loop().create_future()
+
+    def resume_writing(self) -> None:
+        """Called by the event loop."""
+        _wake(self._room)
+        self._room = None
 
     def connection_lost(self, error: Exception | None) -> None:
         """Called by the event loop. An error, other than a mere end, means that something sent was not read."""
         self._end = ChannelClosed(unread=error is not None)
-        self._buffer.clear()
-        self._wake()
+        self._incoming = Incoming()
+        _wake(self._arrival)
+        self.resume_writing()
 
-    def _wake(self) -> None:
-        if self._arrival is not None and not self._arrival.done():
-            self._arrival.set_result(None)
+    def _write(self, data: bytes | memoryview) -> None:
+        if self._transport is not None and not self.closed:
+            self._transport.write(data)
+
+
+class Incoming:
+    """Messages put together from what a socket gives."""
+
+    def __init__(self) -> None:
+        self._head = bytearray()  # of the next message, until it is whole
+        self._header: wire.Header | None = None  # of the message whose body is coming
+        self._pieces: list[bytes] = []
+        self._missing = 0  # bytes of that body
+
+    def feed(self, data: bytes) -> Iterator[Message]:
+        """The messages that are whole now."""
+        begin = 0
+        while begin < len(data) or (self._header is not None and not self._missing):
+            if self._header is None:
+                begin = self._feed_head(data, begin)
+            elif self._missing:
+                piece = data[begin : begin + self._missing]  # no copy where it is all of the data
+                self._pieces.append(piece)
+                self._missing -= len(piece)
+                begin += len(piece)
+            else:
+                yield self._header, tuple(self._pieces)
+                self._header, self._pieces = None, []
+
+    def _feed_head(self, data: bytes, begin: int) -> int:
+        """Take what belongs to the head of a message; where the rest begins."""
+        end = begin + max(0, wire.FRAME.size - len(self._head))
+        self._head += data[begin:end]
+        if len(self._head) < wire.FRAME.size:
+            return len(data)
+        header_size, body_size = cast("tuple[int, int]", wire.FRAME.unpack_from(self._head))
+        begin, end = end, end + wire.FRAME.size + header_size - len(self._head)
+        self._head += data[begin:end]
+        if len(self._head) == wire.FRAME.size + header_size:
+            self._header = orjson.loads(memoryview(self._head)[wire.FRAME.size :])
+            self._missing = body_size
+            self._head = bytearray()
+        return end
+
+
+def _wake(waiter: asyncio.Future[None] | None) -> None:
+    if waiter is not None and not waiter.done():
+        waiter.set_result(None)

@@ -62,11 +62,11 @@ class Chunk:
         self.unused = False
         self._gathered = 0
         header = {**self._header, "lines": True, "first": self._first + self._next}
-        channel.send(header, b"\n".join(self._lines[self._next :]))
+        await channel.send(header, b"\n".join(self._lines[self._next :]))
         channel.pause()
         while True:
             try:
-                answer, line = await self._message(channel)
+                answer, pieces = await self._message(channel)
             except TimeoutError:
                 self.reason = "deadline"
                 yield self._give_up("deadline-exceeded", f"It took longer than {self._seconds:g} s and was stopped.")
@@ -84,7 +84,7 @@ class Chunk:
                 channel.resume()
                 return
             self._advance()
-            yield line
+            yield b"".join(pieces)
 
     async def _message(self, channel: Channel) -> Message:
         """The next message. It is read from the socket only while it is waited for, so a slow reader here slows the worker."""

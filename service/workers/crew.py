@@ -211,7 +211,7 @@ class Crew:
 
     async def _nursery_life(self) -> None:
         """One nursery from its start to its end."""
-        async with NurseryLink.running(self._handler, self._settings.worker_memory_bytes) as link:
+        async with NurseryLink.running(self._handler, self._settings) as link:
             try:
                 async for event in link.events():
                     self._on_event(link, event)

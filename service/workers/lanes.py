@@ -8,7 +8,7 @@
     job     jobs and batches, whatever their size                       N
 
 So the processors are used whatever is asked of the service, nothing keeps the worker of the lanes before it, and no lane
-starves. More than N processes may run for a while; those of the long lanes give way to the others (`nursery.LOWER`).
+starves. More than N processes may run for a while; those of the long lanes give way to the others (`process.give_way`).
 
 The size of a body says little: a small one may ask for a tiny step. A small request that has run for a second therefore
 becomes a long one where it is, if the long lane has room; else it is stopped, and begins again when its turn comes there. It is

@@ -1,8 +1,8 @@
 """The process that raises workers: it loads and compiles everything once, then forks a ready worker in milliseconds.
 
-Run as ``python -m service.workers.nursery HANDLER CONTROL_FD EVENT_FD MEMORY_BYTES PARENT``. A compiled loop ignores every
-signal but SIGKILL, so a request is stopped by killing its worker; the next one must therefore cost almost nothing. Forking the
-threaded web server would be unsafe, forking this single-threaded process is not, and the loaded pages are shared.
+Run as ``python -m service.workers.nursery HANDLER CONTROL_FD EVENT_FD MEMORY_BYTES PARENT PRIORITY``. A compiled loop ignores
+every signal but SIGKILL, so a request is stopped by killing its worker; the next one must therefore cost almost nothing. Forking
+the threaded web server would be unsafe, forking this single-threaded process is not, and the loaded pages are shared.
 
 ::
 
@@ -35,20 +35,18 @@ from typing import NoReturn
 
 from service.observability import logs
 from service.workers import wire
-from service.workers.process import die_with_parent, limit_memory, resident_bytes
+from service.workers.process import die_with_parent, give_way, limit_memory, resident_bytes
 
 COMMAND = struct.Struct("!cI")
 SPAWN, KILL, LOWER = b"S", b"K", b"L"
-
-LOW_PRIORITY = 10
-"""Of a worker with long work: beside one of the usual priority it gets a tenth of a processor that both want."""
 
 _log = logging.getLogger("service.workers.nursery")
 
 
 def main() -> None:
     """Load the handler, say so, then serve commands until the control stream ends."""
-    handler_name, (control_fd, event_fd, memory_bytes, parent) = sys.argv[1], map(int, sys.argv[2:])
+    handler_name, *numbers, long_priority = sys.argv[1:]
+    control_fd, event_fd, memory_bytes, parent = map(int, numbers)
     faulthandler.enable()
     logs.install((os.environ.get("MAT_LOG_LEVEL") or "info").strip())
     die_with_parent(parent)
@@ -60,7 +58,7 @@ def main() -> None:
     gc.collect()
     gc.freeze()
     events.emit("ready", about=about)
-    Nursery(handler, control, events, memory_bytes).run()
+    Nursery(handler, control, events, memory_bytes, long_priority).run()
 
 
 class Events:
@@ -82,9 +80,12 @@ class Events:
 class Nursery:
     """The worker processes of one pool, by the id that the web process gave them."""
 
-    def __init__(self, handler: ModuleType, control: socket.socket, events: Events, memory_bytes: int) -> None:
+    def __init__(
+        self, handler: ModuleType, control: socket.socket, events: Events, memory_bytes: int, long_priority: str
+    ) -> None:
         self._handler = handler
         self._memory_bytes = memory_bytes
+        self._long_priority = long_priority
         self._control = control
         self._events = events
         self._pids: dict[int, int] = {}
@@ -119,7 +120,7 @@ class Nursery:
         elif worker in self._pids and command == KILL:
             os.kill(self._pids[worker], signal.SIGKILL)
         elif worker in self._pids and command == LOWER:
-            os.setpriority(os.PRIO_PROCESS, self._pids[worker], LOW_PRIORITY)
+            give_way(self._pids[worker], self._long_priority)
         return True
 
     def _spawn(self, worker: int, descriptor: int) -> None:

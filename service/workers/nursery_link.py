@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from service.observability import logs
+from service.settings import Settings
 from service.workers.channel import Channel
 from service.workers.nursery import COMMAND, KILL, LOWER, SPAWN
 
@@ -33,7 +34,7 @@ class NurseryLink:
 
     @classmethod
     @contextlib.asynccontextmanager
-    async def running(cls, handler: str, memory_bytes: int) -> AsyncIterator[NurseryLink]:
+    async def running(cls, handler: str, settings: Settings) -> AsyncIterator[NurseryLink]:
         """Start a nursery for the duration; it and all of its workers are gone afterwards."""
         control, its_control = socket.socketpair()
         event_read, event_write = os.pipe()
@@ -47,12 +48,15 @@ class NurseryLink:
             with its_control, os.fdopen(event_write, "wb", 0):
                 process = await asyncio.create_subprocess_exec(
                     *(sys.executable, "-P", "-m", "service.workers.nursery", handler),
-                    *(str(its_control.fileno()), str(event_write), str(memory_bytes), str(os.getpid())),
+                    *(str(its_control.fileno()), str(event_write), str(settings.worker_memory_bytes), str(os.getpid())),
+                    settings.long_priority,
                     stdin=asyncio.subprocess.DEVNULL,
                     stderr=asyncio.subprocess.PIPE,
                     pass_fds=(its_control.fileno(), event_write),
                     env=_environment(),
-                    start_new_session=True,  # Ctrl-C on a terminal is for the web process to handle
+                    # Ctrl-C on a terminal is for the web process to handle. A session of its own would do that, too, but Linux
+                    # may divide processors by sessions first (autogroups): priorities of workers would not count against us.
+                    process_group=0,
                 )
             assert process.stderr is not None
             printed = asyncio.create_task(logs.forward(process.stderr))

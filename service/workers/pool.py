@@ -17,7 +17,7 @@ from typing import Any, get_args
 
 from service.settings import Settings
 from service.workers import wire
-from service.workers.channel import ChannelClosed
+from service.workers.channel import ChannelClosed, Message, Pieces
 from service.workers.chunks import Chunk
 from service.workers.crew import Crew, Reason, Worker, stop
 from service.workers.failures import DeadlineExceeded, PoolError, QueueFull, WorkerCrashed
@@ -44,9 +44,14 @@ class Reply:
     """What a worker answered, and how long the request waited and was worked on."""
 
     header: wire.Header
-    body: bytes
+    pieces: Pieces
     queue_seconds: float
     work_seconds: float
+
+    @property
+    def body(self) -> bytes:
+        """The answer in one piece; what may be large is better passed on in those that it came in."""
+        return b"".join(self.pieces)
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,7 +256,7 @@ class Pool:
         if turn.lane is Lane.JOB and request.clock.when() is None:
             request.clock.reschedule(asyncio.get_running_loop().time() + request.seconds)
         try:
-            worker.channel.send({**request.header, "progress": request.progress is not None}, request.body)
+            await worker.channel.send({**request.header, "progress": request.progress is not None}, request.body)
             answer, content = await self._answer(request, turn, worker)
         except BaseException as error:
             self._crew.kill(worker, _reason(error, request))
@@ -259,7 +264,7 @@ class Pool:
         self._crew.give_back(worker, answer.pop("resident_bytes"), answer.pop("served"))
         return Reply(answer, content, begun - request.arrived, time.monotonic() - begun)
 
-    async def _answer(self, request: _Request, turn: Turn, worker: Worker) -> tuple[wire.Header, bytes]:
+    async def _answer(self, request: _Request, turn: Turn, worker: Worker) -> Message:
         """Wait for the answer; on the way, take a request that is not small after all out of the small lane."""
         try:
             async with asyncio.timeout(LONG_SECONDS if turn.lane is Lane.SMALL else None):
@@ -271,7 +276,7 @@ class Pool:
         return await _last_message(request, worker)
 
 
-async def _last_message(request: _Request, worker: Worker) -> tuple[wire.Header, bytes]:
+async def _last_message(request: _Request, worker: Worker) -> Message:
     """The answer, after any reports of progress."""
     while True:
         header, body = await worker.channel.receive()

@@ -8,6 +8,9 @@ import resource
 import signal
 import sys
 
+LOW_PRIORITY = 10
+"""Beside a process of the usual priority it gets a tenth of a processor that both want."""
+
 _PR_SET_PDEATHSIG = 1
 
 
@@ -23,6 +26,23 @@ def die_with_parent(parent: int) -> None:
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(1)
+
+
+def give_way(process: int, how: str) -> None:
+    """Let a process give way to others for the rest of its life: only a privileged one gets back what it gave up.
+
+    Parameters
+    ----------
+    process : int
+        Its id.
+    how : str
+        idle: it gets what the others leave, and steps aside the moment that one of them wakes up (elsewhere than on Linux: low);
+        low: a tenth of a processor that another one wants, too; normal: it stays what it is.
+    """
+    if how == "idle" and sys.platform == "linux":
+        os.sched_setscheduler(process, os.SCHED_IDLE, os.sched_param(0))
+    elif how != "normal":
+        os.setpriority(os.PRIO_PROCESS, process, LOW_PRIORITY)
 
 
 def resident_bytes() -> int:

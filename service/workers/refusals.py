@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from typing import Any
 
 import mat_core
@@ -22,13 +24,24 @@ def invalid(found: list[mat_core.Problem]) -> RequestError:
     return RequestError("too-complex" if too_complex else "invalid-domain", detail, {"problems": problems})
 
 
-def unsupported(refusal: mat_core.UnsupportedOption, member: str) -> RequestError:
+@contextlib.contextmanager
+def refusals(member: str) -> Iterator[None]:
+    """Turn what the library raises while it computes into errors of the service; `member` of the body holds what was asked."""
+    try:
+        yield
+    except mat_core.UnsupportedOption as refusal:
+        raise _unsupported(refusal, member) from refusal
+    except mat_core.NotCertified as failure:
+        raise _not_certified(failure) from failure
+
+
+def _unsupported(refusal: mat_core.UnsupportedOption, member: str) -> RequestError:
     """The answer to options or arguments that are well formed one by one but do not go together, or with this domain."""
     problem = {"code": "unsupported-option", "pointer": f"{member}/{refusal.option}", "message": str(refusal)}
     return RequestError("invalid-domain", "1 problem, see problems.", {"problems": [problem]})
 
 
-def not_certified(failure: mat_core.NotCertified) -> RequestError:
+def _not_certified(failure: mat_core.NotCertified) -> RequestError:
     """The answer that withholds a result: which check failed, where, and all figures of the failed certificate."""
     problem: dict[str, Any] = {"code": "not-certified", "pointer": "", "message": failure.detail}
     if failure.place is not None:

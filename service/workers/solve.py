@@ -27,7 +27,7 @@ from service.workers import encode, execute
 from service.workers.clock import Clock
 from service.workers.parse import parse
 from service.workers.process import die_with_parent
-from service.workers.refusals import invalid, not_certified, unsupported
+from service.workers.refusals import invalid, refusals
 
 SOLVER_OPTIONS = frozenset(inspect.signature(mat_core.medial_axis).parameters) - {"domain", "progress", "threads"}
 """What this version of the library takes; the contract knows more."""
@@ -73,7 +73,8 @@ def handle(header: dict[str, Any], body: bytes, report: Report | None = None) ->
         ``precision``: significant digits; ``gzip``: whether the client takes that; ``most_edges`` and
         ``most_control_points``: the limits of the operator; ``keep``: the folder for bodies of failed answers;
         ``execute``: for the execute request of a process, the format of each media type it offers; ``look``: only to tell
-        which format it asks for. ``unused``: whether this worker has all of its memory left.
+        which format that asks for (frame), and what is wrong with the domain and all else, too (domain). ``unused``: whether this
+        worker has all of its memory left.
     body : bytes
         The request's body, expanded.
     report : callable, optional
@@ -145,15 +146,19 @@ def _solve(order: dict[str, Any], body: bytes, report: Report | None) -> Answer:
         order = {**order, "format": frame.form or order["format"]}
         content = frame.body
     whole = frame is not None and frame.whole
-    if order.get("look"):
-        return {"timings": clock.laps, "format": order["format"], "whole": whole}, b""
+    form, look = order["format"], order.get("look")
+    answer = b""
     try:
-        answer = _answer(order, content, strict_error, clock, report)
+        if look == "domain":
+            _read(content, OPERATIONS.get(order["operation"]), order, strict_error)
+        elif look is None:
+            answer = _answer(order, content, strict_error, clock, report)
     except RequestError as refusal:
         if frame is not None:
             _relocate(refusal.extra.get("problems", []), frame)
         raise
-    form = order["format"]
+    if look is not None:
+        return {"timings": clock.laps, "format": form, "whole": whole}, b""
     if whole:
         media_type = next(name for name, offered in order["execute"].items() if offered == form)
         answer = execute.wrap(answer, media_type)
@@ -183,21 +188,18 @@ def _answer(
     clock.lap("read")
     options = dict(domain.options)
     samples = options.pop("samples", False)
-    try:
+    with refusals("/options"):
         for option in options.keys() - SOLVER_OPTIONS:
             raise mat_core.UnsupportedOption(option, "it is not available in this version")
         axis = mat_core.medial_axis(domain, **options, progress=_within(report))
-    except mat_core.UnsupportedOption as refusal:
-        raise unsupported(refusal, "/options") from refusal
-    except mat_core.NotCertified as failure:
-        raise not_certified(failure) from failure
     clock.lap("solve")
     if report is not None:
         report("encode" if operation is None else operation.name, SOLVING[1])
     if operation is None:
         encoded = _encode_axis(axis, order, samples)
     else:
-        result = _operate(operation, axis, arguments)
+        with refusals("/arguments"):
+            result = operation.call(axis, **arguments)
         clock.lap("operate")
         encoded = _encode_result(operation, axis, arguments, result, order)
     clock.lap("encode")
@@ -210,16 +212,6 @@ def _within(report: Report | None) -> Report | None:
         return None
     begin, end = SOLVING
     return lambda stage, fraction: report(stage, begin + (end - begin) * fraction)
-
-
-def _operate(operation: Operation, axis: mat_core.MedialAxis, arguments: dict[str, Any]) -> Result:
-    """The operation on an axis."""
-    try:
-        return operation.call(axis, **arguments)
-    except mat_core.UnsupportedOption as refusal:
-        raise unsupported(refusal, "/arguments") from refusal
-    except mat_core.NotCertified as failure:
-        raise not_certified(failure) from failure
 
 
 def _encode_axis(axis: mat_core.MedialAxis, order: dict[str, Any], samples: bool) -> bytes:

@@ -23,17 +23,24 @@ FRAME = struct.Struct("!IQ")
 
 Header = dict[str, Any]
 
+JOINED_BYTES = 64 * 1024
+"""Longest body that goes out with its head in one call, so that the other side wakes up once."""
 
-def pack(header: Header, body: bytes) -> tuple[bytes, bytes]:
-    """The two buffers of a message: prefix with header, and the body itself."""
+
+def pack(header: Header, body_bytes: int) -> bytes:
+    """What goes before a body of so many bytes: prefix and header."""
     text = orjson.dumps(header, option=orjson.OPT_SERIALIZE_NUMPY)
-    return FRAME.pack(len(text), len(body)) + text, body
+    return FRAME.pack(len(text), body_bytes) + text
 
 
 def send(channel: socket.socket, header: Header, body: bytes = b"") -> None:
     """Write one message to a blocking socket."""
-    for buffer in pack(header, body):
-        channel.sendall(buffer)
+    head = pack(header, len(body))
+    if len(body) <= JOINED_BYTES:
+        channel.sendall(head + body)
+    else:
+        channel.sendall(head)
+        channel.sendall(body)
 
 
 def receive(channel: socket.socket) -> tuple[Header, bytes] | None:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tests.load.batch import batch
 from tests.load.calm import beside_huge, calm, deadlines, overload
-from tests.load.durability import database, disk, killed
+from tests.load.durability import database, disk, dismissed, killed
 from tests.load.faults import faults
 from tests.load.report import Report
 from tests.load.scale import Scale, short
@@ -25,6 +25,7 @@ PARTS: dict[str, Callable[[Scale, Report], Awaitable[None]]] = {
     "deadlines": deadlines,
     "faults": faults,
     "batch": batch,
+    "dismissed": dismissed,
     "killed": killed,
     "database": database,
     "disk": disk,

@@ -13,8 +13,8 @@ from multiprocessing.synchronize import Barrier
 
 from service.settings import Settings
 from service.workers import solve
-from service.workers.nursery import LOW_PRIORITY
 from service.workers.pool import Pool
+from service.workers.process import give_way
 from tests.load.client import connected
 from tests.load.report import Report
 from tests.load.scale import Scale
@@ -65,7 +65,7 @@ def _solve_all(bodies: Sequence[bytes], start: Barrier) -> None:
     """One bare process; warm before it starts."""
     for body in set(bodies):
         solve.handle(HEADER, body)
-    os.nice(LOW_PRIORITY)
+    give_way(os.getpid(), Settings().long_priority)
     start.wait()
     for body in bodies:
         solve.handle(HEADER, body)

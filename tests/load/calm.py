@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import http.client
-import time
 from collections import Counter
 from typing import Any
 
 from tests.load.client import Answer, connected
-from tests.load.drive import STUCK_SECONDS, Tally, busy, health, paced, problem_code
+from tests.load.crowd import crowd
+from tests.load.drive import Tally, busy, health, paced, problem_code
 from tests.load.report import Report, quantile
 from tests.load.scale import Scale
 from tests.load.server import serving
@@ -21,6 +20,7 @@ HEALTH_SECONDS = 0.05
 REFUSAL_SECONDS = 0.05
 LATE_SECONDS = 0.25
 RATIO = 3.0
+HUGE_CLIENTS = 4
 
 
 async def calm(scale: Scale, report: Report) -> None:
@@ -67,15 +67,10 @@ async def beside_huge(scale: Scale, report: Report) -> None:
         await busy(server.port, pieces, 2, 1.0)
         async with health(server.port) as healthy:
             before = await paced(server.port, pieces, scale.rate, scale.seconds / 2)
-            asking = asyncio.Event()
-            asking.set()
-            answers: list[tuple[int, float]] = []
-            others = [asyncio.create_task(_again_and_again(server.port, body, asking, answers)) for _ in range(4)]
-            await asyncio.sleep(0.5)
-            beside = await paced(server.port, pieces, scale.rate, scale.seconds)
-            asking.clear()
-            during = list(healthy)
-            await asyncio.gather(*others)
+            async with crowd(server.port, body, HUGE_CLIENTS) as answers:
+                await asyncio.sleep(0.5)
+                beside = await paced(server.port, pieces, scale.rate, scale.seconds)
+                during = list(healthy)
             after = await paced(server.port, pieces, scale.rate, scale.seconds / 2)
     quiet = before.all_seconds + after.all_seconds
     report.times("huge", "small requests, quiet", quiet)
@@ -90,26 +85,6 @@ async def beside_huge(scale: Scale, report: Report) -> None:
     text = f"/healthz in {1000 * late:.0f} ms (p99), {1000 * max(during):.0f} ms (longest); under {1000 * HEALTH_SECONDS:.0f}"
     report.promise("huge", text, late < HEALTH_SECONDS * scale.slack)
     report.promise("huge", "no process stays behind", not server.orphans())
-
-
-async def _again_and_again(port: int, body: bytes, asking: asyncio.Event, answers: list[tuple[int, float]]) -> None:
-    while asking.is_set():
-        answers.append(await asyncio.to_thread(_post_and_forget, port, body))
-
-
-def _post_and_forget(port: int, body: bytes) -> tuple[int, float]:
-    """Status and seconds of a request whose answer nobody here has the memory for; in a thread, away from who measures."""
-    begun = time.monotonic()
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=STUCK_SECONDS * 10)
-    try:
-        connection.request("POST", "/v1/mat", body, {"Content-Type": "application/json"})
-        response = connection.getresponse()
-        buffer = bytearray(1 << 20)
-        while response.readinto(buffer):
-            pass
-        return response.status, time.monotonic() - begun
-    finally:
-        connection.close()
 
 
 async def overload(scale: Scale, report: Report) -> None:

@@ -18,12 +18,15 @@ from tests.load.drive import Tally, paced, problem_code
 from tests.load.report import Report
 from tests.load.scale import Scale
 from tests.load.server import Server, serving
-from tests.load.traffic import Piece, small
+from tests.load.traffic import Piece, endless, small
 from tests.service.jobs.postgres import Postgres, programs
+from tests.service.processes import alive
 
 ASYNC = {"Prefer": "respond-async"}
 JOBS_SECONDS = 300.0
 """How long accepted jobs may take altogether, kills included."""
+
+FREE_SECONDS = 0.25
 
 DISK_BYTES = 32 << 20
 LETTERS = 64 << 10
@@ -98,6 +101,32 @@ async def killed(scale: Scale, report: Report) -> None:
     report.promise("killed", "no process stays behind", not server.orphans())
 
 
+async def dismissed(scale: Scale, report: Report) -> None:
+    """Running jobs are dismissed: how soon their processor is free."""
+    answered: list[float] = []
+    freed: list[float] = []
+    async with serving(scale.folder, workers=scale.workers) as server, connected(server.port) as connection:
+        for seed in range(max(5, scale.events // 20)):
+            answer = await connection.request("POST", "/v1/mat", endless(seed), ASYNC)
+            job = f"/v1/jobs/{json.loads(answer.body)['jobID']}"
+            while json.loads((await connection.request("GET", job)).body)["status"] != "running":
+                await asyncio.sleep(0.01)
+            await asyncio.sleep(random.Random(seed).uniform(0.0, 0.5))
+            workers = server.workers()
+            begun = time.monotonic()
+            answered.append((await connection.request("DELETE", job)).seconds)
+            while all(alive(pid) for pid in workers) and time.monotonic() < begun + JOBS_SECONDS:
+                await asyncio.sleep(0.001)
+            freed.append(time.monotonic() - begun)
+        tally = await paced(server.port, small(), scale.rate, 1.0)
+    report.times("dismissed", "DELETE of a running job, answered", answered)
+    report.times("dismissed", "its worker has ended", freed)
+    text = f"the processor is free {1000 * max(freed):.0f} ms after it at the latest; under {1000 * FREE_SECONDS:.0f}"
+    report.promise("dismissed", text, max(freed) < FREE_SECONDS * scale.slack)
+    _undisturbed("dismissed", tally, report)
+    report.promise("dismissed", "no process stays behind", not server.orphans())
+
+
 @contextlib.asynccontextmanager
 async def _database(report: Report, part: str) -> AsyncIterator[Postgres | None]:
     """A PostgreSQL of our own, where its programs are installed; a visible line where not."""
@@ -139,7 +168,7 @@ async def database(scale: Scale, report: Report) -> None:
 
 def _undisturbed(part: str, tally: Tally, report: Report) -> None:
     good = bool(tally.all_seconds) and not tally.wrong and not tally.stuck
-    report.promise(part, f"{len(tally.all_seconds)} small requests answered right meanwhile {tally.wrong[:3] or ''}", good)
+    report.promise(part, f"{len(tally.all_seconds)} small requests answered right {tally.wrong[:3] or ''}", good)
 
 
 async def _refusals(port: int, pieces: Sequence[Piece], seconds: float) -> Counter[str]:

@@ -7,6 +7,7 @@ import contextlib
 import os
 import random
 import signal
+import time
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -25,6 +26,8 @@ MEMORY_BYTES = 128 << 20
 """What a worker may claim: enough for every small domain, and too little for a hog."""
 
 HOG_EDGES = 60_000
+UPLOAD_SECONDS = 4.0
+DROP_SECONDS = 0.25
 EXCUSED = ("worker-crashed", "queue-full")
 """What a small request may be answered while workers are killed."""
 
@@ -48,8 +51,8 @@ async def faults(scale: Scale, report: Report) -> None:
     """Everything at once, beside small requests at a pace."""
     pieces = small()
     hog = await asyncio.to_thread(huge, HOG_EDGES)
-    settings = {"workers": scale.workers, "worker_memory_bytes": MEMORY_BYTES, "deadline_seconds": 10}
-    async with serving(scale.folder, **settings) as server:
+    settings = {"worker_memory_bytes": MEMORY_BYTES, "deadline_seconds": 10, "upload_seconds": UPLOAD_SECONDS}
+    async with serving(scale.folder, workers=scale.workers, **settings) as server:
         events = Events()
         left = iter(range(scale.events))
         async with health(server.port) as healthy:
@@ -104,7 +107,7 @@ async def _trouble(
 ) -> None:
     """One client that misbehaves, as long as there are events left."""
     chance = random.Random(seed)
-    deeds = {"left": 8, "left long work": 4, "cut off": 5, "slow": 2, "broken": 4, "hog": 1}
+    deeds = {"left": 8, "left long work": 4, "cut off": 5, "slow": 2, "trickle": 1, "broken": 4, "hog": 1}
     for number in left:
         deed = chance.choices(list(deeds), list(deeds.values()))[0]
         events.done[deed] += 1
@@ -162,6 +165,27 @@ async def _slow(
     events.judge("slow", answer, (200, ""))
 
 
+async def _trickle(
+    connection: Connection, chance: random.Random, pieces: Sequence[Piece], _h: object, events: Events, _n: int
+) -> None:
+    """Send a body that would never end; the client is told to go, and the connection is closed."""
+    reader, writer = await connection.open()
+    body = chance.choice(pieces).body
+    writer.write(head("POST", "/v1/mat", len(body)))
+    answering = asyncio.create_task(read_answer(reader, time.monotonic()))
+    try:
+        for drop in range(int(2 * UPLOAD_SECONDS / DROP_SECONDS)):
+            if answering.done():
+                break
+            writer.write(body[drop : drop + 1])
+            await asyncio.sleep(DROP_SECONDS)
+        events.judge("trickle", await answering, (408, "upload-timeout"))
+        if await reader.read():
+            events.wrong.append("trickle: the connection goes on")
+    finally:
+        answering.cancel()
+
+
 async def _broken(connection: Connection, chance: random.Random, _p: object, _h: object, events: Events, _n: int) -> None:
     """Send what is no domain."""
     name, (body, status, code) = chance.choice(list(BROKEN.items()))
@@ -179,6 +203,7 @@ DEEDS = {
     "left long work": _leave_long_work,
     "cut off": _cut_off,
     "slow": _slow,
+    "trickle": _trickle,
     "broken": _broken,
     "hog": _hog,
 }

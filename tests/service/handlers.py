@@ -28,7 +28,7 @@ def handle(header: dict[str, Any], body: bytes, report: Any = None) -> tuple[dic
     if report is not None:
         report("working", 0.25)
         report("finishing", 0.75)
-    about = {"timings": {"solve": 0.0}, "pid": os.getpid(), "nice": os.getpriority(os.PRIO_PROCESS, 0)}
+    about = {"timings": {"solve": 0.0}, "pid": os.getpid(), "scheduling": scheduling()}
     return about | ACTIONS[order["do"]](order, body)[0], body
 
 
@@ -44,6 +44,11 @@ def handle_lines(header: dict[str, Any], body: bytes, send: Callable[[bytes], No
             result = {"line": number, "pid": os.getpid(), "answers": order, "text": "x" * order.get("size", 0)}
             send(json.dumps(result).encode())
     return {}
+
+
+def scheduling() -> list[int]:
+    """What this process may ask of the processors: its policy and its priority."""
+    return [os.sched_getscheduler(0), os.getpriority(os.PRIO_PROCESS, 0)]
 
 
 def echo(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
@@ -71,8 +76,7 @@ def fail(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
 def half(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
     """End in the middle of an answer."""
     channel = next(int(entry.name) for entry in Path("/proc/self/fd").iterdir() if is_socket(entry))
-    head, _ = wire.pack({"resident_bytes": 0, "served": 1}, bytes(1000))
-    os.write(channel, head + bytes(500))
+    os.write(channel, wire.pack({"resident_bytes": 0, "served": 1}, 1000) + bytes(500))
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 

@@ -16,7 +16,7 @@ def of(body: bytes, **order: object) -> str:
 
 
 def kept(size: int) -> Kept:
-    return Kept(b"x" * size, {}, "application/json")
+    return Kept((b"x" * size,), {}, "application/json")
 
 
 def test_everything_that_decides_an_answer_is_in_its_hash() -> None:

@@ -13,6 +13,7 @@ import pytest
 from service.errors import OGC
 from service.negotiation import FORMATS
 from service.schemas import JobStatus
+from service.workers.lanes import LARGE_BODY_BYTES
 from tests.service.test_contract import body_of, refused, send
 
 ASYNC = {"Prefer": "respond-async"}
@@ -54,9 +55,35 @@ def test_a_bad_frame_makes_no_job(live: httpx2.Client) -> None:
     assert document.problems[0].pointer == "/outputs"
 
 
-def test_a_job_s_problems_have_the_places_of_the_execute_request(live: httpx2.Client) -> None:
-    body = {"inputs": {"outer": 3, "arguments": {"value": {"distance": 0}}}}
-    problem = refused(results(live, send(live, EXECUTION, body, ASYNC)), "invalid-domain")
+ROOM = {"small": "", "large": " " * LARGE_BODY_BYTES}
+BAD_BODIES = {
+    "not JSON": '{"outer": [',
+    "no object": "[1]",
+    "not a number": '{"outer": [{"degree": 1, "control_points": [[0, NaN], [1, 0]]}]}',
+    "an open loop": '{"outer": [{"degree": 1, "control_points": [[0, 0], [1, 0]]}]}',
+    "unknown options": '{"outer": [], "options": {"colour": 3}}',
+}
+
+
+@pytest.mark.parametrize("room", ROOM.values(), ids=ROOM)
+@pytest.mark.parametrize("body", BAD_BODIES.values(), ids=BAD_BODIES)
+def test_a_small_body_s_faults_are_told_at_once_and_a_large_one_s_by_its_job(live: httpx2.Client, body: str, room: str) -> None:
+    def ask(**headers: str) -> httpx2.Response:
+        return live.post("/v1/mat", content=body + room, headers={"Content-Type": "application/json"} | headers)
+
+    at_once, later = ask().json(), ask(**ASYNC)
+    if room:
+        later = results(live, later)
+    told = later.json()
+    assert later.status_code == at_once["status"]
+    assert told | {"request_id": ""} == at_once | {"request_id": ""}
+
+
+@pytest.mark.parametrize("room", ROOM.values(), ids=ROOM)
+def test_problems_of_a_job_have_the_places_of_the_execute_request(live: httpx2.Client, room: str) -> None:
+    body = {"inputs": {"outer": 3, "holes": [room], "arguments": {"value": {"distance": 0}}}}
+    response = send(live, EXECUTION, body, ASYNC)
+    problem = refused(results(live, response) if room else response, "invalid-domain")
     assert {"/inputs/outer", "/inputs/arguments/value/distance"} <= {each.pointer for each in problem.problems}
 
 

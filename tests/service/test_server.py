@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import socket
@@ -111,3 +112,33 @@ def test_ctrl_c_needs_no_notice_and_a_second_one_no_draining(tmp_path: Path) -> 
         assert process.wait(20) == 0
         request.join()
     eventually(lambda: not any(alive(pid) for pid in below))
+
+
+@pytest.mark.parametrize(("path", "media_type"), [("/v1/mat", "application/json"), ("/v1/batches", "application/x-ndjson")])
+def test_a_body_that_trickles_is_told_to_go_and_its_connection_is_closed(tmp_path: Path, path: str, media_type: str) -> None:
+    with serving(tmp_path, MAT_UPLOAD_SECONDS="0.5") as (_, address):
+        url = httpx2.URL(address)
+        with socket.create_connection((url.host, url.port), timeout=60) as client:
+            head = f"POST {path} HTTP/1.1\r\nHost: x\r\nContent-Type: {media_type}\r\nContent-Length: 1000\r\n\r\n"
+            client.sendall(head.encode())
+            begun = time.monotonic()
+            answer = b""
+            client.settimeout(0.1)
+            while time.monotonic() - begun < 30:
+                with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+                    client.sendall(b" ")  # what comes after the answer is nobody's
+                try:
+                    piece = client.recv(65536)
+                except TimeoutError:
+                    continue
+                except ConnectionResetError:
+                    break
+                if not piece:
+                    break
+                answer += piece
+        assert time.monotonic() - begun >= 0.5
+        told, _, body = answer.partition(b"\r\n\r\n")
+        assert told.startswith(b"HTTP/1.1 408 ")
+        assert b"connection: close" in told.lower()
+        assert json.loads(body)["code"] == "upload-timeout"
+        assert not httpx2.get(f"{address}/v1/jobs").json()["jobs"]

@@ -18,8 +18,10 @@ def test_an_empty_environment_gives_the_defaults() -> None:
 def test_every_field_is_read_from_its_variable() -> None:
     given = {
         "MAT_WORKERS": "3",
+        "MAT_LONG_PRIORITY": "Low",
         "MAT_MAX_BODY_BYTES": " 2048 ",
         "MAT_DEADLINE_SECONDS": "1.5",
+        "MAT_UPLOAD_SECONDS": "2.5",
         "MAT_QUEUE_LIMIT": "0",
         "MAT_WORKER_MEMORY_BYTES": "100000000",
         "MAT_WORKER_RECYCLE_BYTES": "200000000",
@@ -47,8 +49,10 @@ def test_every_field_is_read_from_its_variable() -> None:
     assert set(given) == {variable(item.name) for item in fields(Settings)}
     assert Settings.from_environment(given) == Settings(
         workers=3,
+        long_priority="low",
         max_body_bytes=2048,
         deadline_seconds=1.5,
+        upload_seconds=2.5,
         queue_limit=0,
         worker_memory_bytes=100_000_000,
         worker_recycle_bytes=200_000_000,
@@ -81,6 +85,8 @@ def test_every_field_is_read_from_its_variable() -> None:
         ("MAT_WORKERS", "0"),
         ("MAT_WORKERS", "two"),
         ("MAT_WORKERS", ""),
+        ("MAT_LONG_PRIORITY", "high"),
+        ("MAT_UPLOAD_SECONDS", "0"),
         ("MAT_QUEUE_LIMIT", "-1"),
         ("MAT_DEADLINE_SECONDS", "nan"),
         ("MAT_DEADLINE_SECONDS", "inf"),

@@ -26,6 +26,9 @@ def handle(header: dict[str, Any], body: bytes, report: Any = None) -> tuple[dic
         order = json.loads(body)
     except ValueError:
         return {"error": {"code": "not-json", "detail": "as it came", "extra": {}}}, b""
+    if header.get("look"):
+        time.sleep(order.get("look_seconds", 0.0))
+        return {"timings": {}, "format": header["format"], "whole": False}, b""
     if report is not None:
         report("solve", 0.5)
     if order.get("crash"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import logging
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -125,10 +126,17 @@ def test_a_failed_job_answers_with_its_own_problem(client: TestClient) -> None:
     assert problem(client.get(f"/v1/jobs/{job}/results"), "invalid-domain")["problems"] == [fault]
 
 
-def test_a_body_that_is_no_json_fails_its_job(client: TestClient) -> None:
-    job = client.post("/v1/mat", content=b"{]", headers=ASYNC).json()["jobID"]
-    until(client, job, "failed")
-    problem(client.get(f"/v1/jobs/{job}/results"), "not-json")
+def test_what_is_wrong_with_a_body_is_told_at_once_and_is_no_job(client: TestClient) -> None:
+    before = client.get("/v1/jobs").json()["jobs"]
+    problem(client.post("/v1/mat", content=b"{]", headers=ASYNC | {"Idempotency-Key": "mend it"}), "not-json")
+    assert client.get("/v1/jobs").json()["jobs"] == before
+    assert post(client, {}, **{"Idempotency-Key": "mend it"}).status_code == 201
+
+
+def test_a_body_that_workers_have_no_time_to_look_at_is_left_to_its_job(client: TestClient) -> None:
+    made = post(client, {"name": "unseen", "look_seconds": 30})
+    assert made.status_code == 201
+    until(client, made.json()["jobID"], "successful")
 
 
 def test_a_worker_that_dies_each_time_fails_its_job(client: TestClient) -> None:
@@ -357,3 +365,22 @@ def test_a_batch_is_sent_again_with_its_key(client: TestClient) -> None:
     jobs = {send(client, b"{}\n{}\n", **{"Idempotency-Key": "lines"}).json()["jobID"] for _ in range(2)}
     assert len(jobs) == 1
     problem(send(client, b"{}\n", **{"Idempotency-Key": "lines"}), "idempotency-key-reused")
+
+
+@pytest.mark.parametrize("removed", [False, True])
+def test_work_that_ends_after_its_job_was_dismissed_is_no_news(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, removed: bool
+) -> None:
+    """As it happens when a job is dismissed in the moment in which it begins: nobody stops the work."""
+    monkeypatch.setattr("service.jobs.executor.Executor.cancel", lambda *_: None)
+    monkeypatch.setattr("service.jobs.executor.QUIET_SECONDS", 0.0)
+    stats = client.app.state.pool.stats  # type: ignore[attr-defined]
+    job = post(client, {"name": "late", "seconds": 1.0}).json()["jobID"]
+    until(client, job, "running")
+    eventually(lambda: stats().running["job"] == 1)
+    for _ in range(1 + removed):
+        assert client.delete(f"/v1/jobs/{job}").status_code == 200
+    eventually(lambda: stats().running["job"] == 0)
+    time.sleep(0.5)  # what is said is said by another thread
+    told = [record for record in caplog.records if record.name.startswith("service") and record.levelno >= logging.WARNING]
+    assert not [record.getMessage() for record in told]

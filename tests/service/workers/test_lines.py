@@ -12,6 +12,7 @@ from typing import Any
 
 from service.settings import MIB
 from service.workers.pool import Pool
+from tests.service.handlers import scheduling
 from tests.service.processes import alive, status
 from tests.service.workers.scenarios import eventually_in_loop, order, pid_of, with_pool
 
@@ -152,7 +153,7 @@ def test_chunks_use_every_worker_and_leave_one_to_small_requests() -> None:
         await eventually_in_loop(lambda: pool.stats().running["job"] == 2)
         reply = await pool.solve({}, order("echo"))
         assert not all(task.done() for task in tasks)
-        assert reply.header["nice"] == os.getpriority(os.PRIO_PROCESS, 0)
+        assert reply.header["scheduling"] == scheduling()
         assert [codes(found) for found in await asyncio.gather(*tasks)] == [["done"] * 6] * 3
 
     with_pool(scenario)

@@ -12,6 +12,8 @@ import pytest
 from service.settings import MIB
 from service.workers.lanes import LARGE_BODY_BYTES
 from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
+from service.workers.process import LOW_PRIORITY
+from tests.service.handlers import scheduling
 from tests.service.processes import alive, descendants, status
 from tests.service.workers.scenarios import eventually_in_loop, order, pid_of, with_pool
 
@@ -228,19 +230,22 @@ def test_one_too_many_of_them_begins_again_when_its_turn_comes() -> None:
     with_pool(scenario, workers=1)
 
 
-def test_jobs_take_every_worker_but_one_for_small_requests_and_give_way_to_them() -> None:
+@pytest.mark.parametrize("priority", ["idle", "low", "normal"])
+def test_jobs_take_every_worker_but_one_for_small_requests_and_give_way_to_them(priority: str) -> None:
+    policy, nice = usual = scheduling()
+    giving_way = {"idle": [os.SCHED_IDLE, nice], "low": [policy, max(nice, LOW_PRIORITY)], "normal": usual}[priority]
+
     async def scenario(pool: Pool) -> None:
         await pid_of(pool)
-        usual = os.getpriority(os.PRIO_PROCESS, 0)
         jobs = [asyncio.create_task(pool.solve({}, order("spin", seconds=0.8), job=True)) for _ in range(5)]
         await eventually_in_loop(lambda: pool.stats().running["job"] == 2)
         small = await pool.solve({}, order("echo"))
         assert not all(job.done() for job in jobs)
-        assert small.header["nice"] == usual
-        assert all(reply.header["nice"] > usual for reply in await asyncio.gather(*jobs))
-        assert (await pool.solve({}, order("echo"))).header["nice"] == usual
+        assert small.header["scheduling"] == usual
+        assert [job.header["scheduling"] for job in await asyncio.gather(*jobs)] == [giving_way] * 5
+        assert (await pool.solve({}, order("echo"))).header["scheduling"] == usual
 
-    with_pool(scenario)
+    with_pool(scenario, long_priority=priority)
 
 
 def test_a_job_s_deadline_begins_when_a_worker_takes_it() -> None:
