@@ -18,6 +18,7 @@ from mat_core.kernels.layout import (
     CONVEX_VERTEX,
     CORNER,
     CURVATURE_LEAF,
+    EDGE,
     FAN,
     K0,
     K1,
@@ -39,6 +40,7 @@ from mat_core.kernels.layout import (
 from mat_core.topology.unite import COORDINATE, arc_noise, find, unite
 
 OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is better by more than rounding
+CHAIN = 4  # pieces between a joint and a contact that is near it
 K_LOW = 1.9  # no disc in a domain of size at most 1 has a radius over 1/2
 
 OK, NO_PARTNER, TOO_SMALL, UNCONNECTED, NOT_EULER = range(5)
@@ -79,15 +81,35 @@ def _grows(at_joint, far):
 
 
 @inner
+def _chained(si, j, winner):
+    """Whether a site ends, a few pieces back, where the edge of joint j begins, or is one of these pieces.
+
+    The pieces of an edge are laid from its start on with more digits than a coordinate has.
+    """
+    i = si[j, PREV]
+    for _ in range(CHAIN):
+        if i == winner:
+            return True
+        if si[i, KIND] == FAN or si[i, EDGE] != si[j, EDGE] or si[i, LOOP] != si[j, LOOP]:
+            return False
+        i = si[i, PREV]
+    return False
+
+
+@inner
 def _phi_noise(si, sf, cp, j, winner, s):
     """Rounding of phi at a contact of the disc at joint j: that of the coordinates over the squared distance.
 
-    Nothing where the contact's site meets the joint: it is taken relative to that.
+    Nothing where the contact's site meets the joint: it is taken relative to that. Where the way between them is known to more
+    digits only that of the normal is left.
     """
     if winner < 0 or si[winner, V0] == si[j, V0] or si[winner, V1] == si[j, V0]:
         return 0.0
     dx, dy, tx, ty, k, speed = evaluate(si, sf, cp, winner, s, sf[j, X0], sf[j, Y0])
-    return 2.0 * COORDINATE / (dx * dx + dy * dy)
+    distance_sq = dx * dx + dy * dy
+    if _chained(si, j, winner):
+        return 2.0 * COORDINATE / math.sqrt(distance_sq)
+    return 2.0 * COORDINATE / distance_sq
 
 
 @inner

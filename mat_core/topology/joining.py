@@ -9,6 +9,8 @@ In between contacts are sorted along the loops and discs by place, which is left
 
 from __future__ import annotations
 
+import math
+
 from mat_core.kernels.boxtree import fill_tree
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner, jit
@@ -16,9 +18,11 @@ from mat_core.kernels.layout import ARC_CONTACT, THROUGH, X0, Y0
 from mat_core.topology.discs import OK, UNCONNECTED, connect_loops, joint_discs
 from mat_core.topology.faces import cut_arcs
 from mat_core.topology.unite import (
+    COORDINATE,
     contact_angle,
     find,
     group_contacts,
+    kink,
     recentre,
     unite_at_joints,
     unite_crossed,
@@ -90,33 +94,35 @@ def find_candidates(steps, first, last, si, sf, cp, tree, key_x, key_y, stack, l
 
 
 @inner
-def _best_members(si, sf, cp, kind, winner, winner_s, parent, chord, best):
+def _best_members(si, sf, cp, kind, winner, winner_s, parent, doubt, best):
     """best[root]: the member of each union whose disc is known best.
 
-    A disc through two contacts is determined as well as they are apart; one of a whole arc is the arc's own circle.
+    A disc through two contacts is determined as well as they are apart, and as its joint has one normal; one of a whole arc is the
+    arc's own circle.
     """
     for d in range(parent.shape[0]):
         best[d] = d
-        chord[d] = 0.0
+        doubt[d] = math.inf
         if d < si.shape[0]:
             if kind[d] == ARC_CONTACT:
-                chord[d] = 4.0
+                doubt[d] = 0.0
             elif kind[d] == THROUGH:
                 px, py, tx, ty, k, speed = evaluate(si, sf, cp, winner[d], winner_s[d], sf[d, X0], sf[d, Y0])
-                chord[d] = px * px + py * py
+                chord_sq = px * px + py * py
+                doubt[d] = COORDINATE / chord_sq + kink(si, sf, d) if chord_sq > 0.0 else math.inf
     for d in range(parent.shape[0]):
         root = find(parent, d)
-        if chord[d] > chord[best[root]]:
+        if doubt[d] < doubt[best[root]]:
             best[root] = d
 
 
 @jit
 def unite_discs(si, sf, cp, loop_start, same_disc, same_crossed, disc, kind, winner, winner_s, parent, sweep, by_sweep, site, s,
-                owner, angle, order, alive, first, last, member_next, number, chord, united, united_kind, spread, contact_site,
+                owner, angle, order, alive, first, last, member_next, number, doubt, united, united_kind, spread, contact_site,
                 contact_s, contact_disc, contact_angle_of, arc_hi, next_contact):
     """Step 3; returns (discs, contacts), and fills `united`, `united_kind`, the contacts in loop order and the arcs between them.
 
-    `order`: contacts along the loops; `by_sweep`: discs by `sweep`. What follows them up to `chord`, and `spread`, is room for a
+    `order`: contacts along the loops; `by_sweep`: discs by `sweep`. What follows them up to `doubt`, and `spread`, is room for a
     number of each contact or disc.
     """
     for c in range(owner.shape[0]):
@@ -142,7 +148,7 @@ def unite_discs(si, sf, cp, loop_start, same_disc, same_crossed, disc, kind, win
         number[d] = -1
     for position in range(contacts):
         number[parent[owner[order[position]]]] = 0
-    _best_members(si, sf, cp, kind, winner, winner_s, parent, chord, first)
+    _best_members(si, sf, cp, kind, winner, winner_s, parent, doubt, first)
     discs = 0
     for d in range(parent.shape[0]):
         if number[d] == 0:
