@@ -292,12 +292,18 @@ def _move_site(source, target, si, sf):
         sf[target, column] = sf[source, column]
 
 
+@inner
+def _is_peak(sf, a, b):
+    """Whether the curvature is positive and highest where piece a ends and piece b begins."""
+    return min(sf[a, K1], sf[b, K0]) > 0.0 and sf[a, K1] >= sf[a, K0] and sf[b, K0] >= sf[b, K1]
+
+
 @jit
 def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back, si, sf, turns, loop_start):
     """Step 3: all loops. `si`, `sf` have room for twice the pieces; returns the number of sites.
 
     A convex joint that turns by no more than `smooth_angle` is smooth, a reflex one by no more than `bent_back`: a fan has all of
-    its normals, and the disc of their mean would be off by radius times angle.
+    its normals, and the disc of their mean would be off by radius times angle. But for one leaf a fan would make two.
     """
     count = 0
     loop_start[0] = 0
@@ -321,7 +327,9 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_bac
                     turn = turn if turn > 0.0 else turn + 2.0 * math.pi
                 else:
                     turn = turn if turn < 0.0 else turn - 2.0 * math.pi
-            elif -bent_back <= turn <= smooth_angle or (same_bezier and abs(turn) < 0.1):
+            elif same_bezier and abs(turn) < 0.1:
+                turn = 0.0
+            elif -(smooth_angle if _is_peak(sf, a, b) else bent_back) <= turn <= smooth_angle:
                 turn = 0.0
             # a curvature that grows without bound towards its end is a leaf of radius 0 there, like a convex corner
             if turn > 0.0 or sf[b, K0] == math.inf or (turn == 0.0 and sf[a, K1] == math.inf):
@@ -359,7 +367,7 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     domain : Domain
         Valid (checked by its constructor).
     smooth_angle : float
-        Radians; convex joints that turn by less are smooth, reflex ones only if they turn by hardly anything.
+        Radians; convex joints that turn by less are smooth, most reflex ones only if they turn by hardly anything.
     tolerances : Tolerances
         Rounding of the normalised coordinates is taken from here and from the size of the input's coordinates.
 

@@ -97,8 +97,8 @@ def find_candidates(steps, first, last, si, sf, cp, tree, key_x, key_y, stack, l
 def _best_members(si, sf, cp, kind, winner, winner_s, parent, doubt, best):
     """best[root]: the member of each union whose disc is known best.
 
-    A disc through two contacts is determined as well as they are apart, and as its joint has one normal; one of a whole arc is the
-    arc's own circle.
+    A disc through two contacts is determined as well as they are apart, and as its joint has one normal; one of a whole arc is
+    the arc's own circle.
     """
     for d in range(parent.shape[0]):
         best[d] = d
