@@ -320,6 +320,7 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_bac
             b = base + p
             turn = math.atan2(sf[a, TX1] * sf[b, TY0] - sf[a, TY1] * sf[b, TX0],
                               sf[a, TX1] * sf[b, TX0] + sf[a, TY1] * sf[b, TY0])
+            bent = smooth_angle if _is_peak(sf, a, b) else bent_back
             same_bezier = n > 1 and si[a, EDGE] == si[b, EDGE] and si[a, SPAN] == si[b, SPAN] and sf[a, UB] == sf[b, UA]
             if math.pi - abs(turn) < CUSP_ANGLE:
                 # the curves tell the side, the angle keeps its digits: a fan ends at the next piece's own normal
@@ -327,9 +328,7 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_bac
                     turn = turn if turn > 0.0 else turn + 2.0 * math.pi
                 else:
                     turn = turn if turn < 0.0 else turn - 2.0 * math.pi
-            elif same_bezier and abs(turn) < 0.1:
-                turn = 0.0
-            elif -(smooth_angle if _is_peak(sf, a, b) else bent_back) <= turn <= smooth_angle:
+            elif -bent <= turn <= smooth_angle or (same_bezier and abs(turn) < 0.1):
                 turn = 0.0
             # a curvature that grows without bound towards its end is a leaf of radius 0 there, like a convex corner
             if turn > 0.0 or sf[b, K0] == math.inf or (turn == 0.0 and sf[a, K1] == math.inf):

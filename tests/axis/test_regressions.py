@@ -1,4 +1,7 @@
-"""Inputs that once went wrong; the line of each in the corpus says what did."""
+"""Inputs that once went wrong; the line of each in the corpus says what did.
+
+Some have a `truth`: `rungs`, settings of the tolerances tried at most until one passes; `leaves`, of the axis.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,8 @@ from typing import Any
 import pytest
 
 from mat_core import Domain, medial_axis
-from tests.assertions import assert_axis
+from mat_core.tolerances import LADDER
+from tests.assertions import assert_axis, node_counts
 from tests.axis.test_oracle import corpus
 
 REGRESSIONS = corpus("regressions.jsonl.gz")
@@ -25,9 +29,13 @@ UNSEEN = {
 
 @pytest.mark.parametrize("domain", REGRESSIONS, ids=[d["name"] for d in REGRESSIONS])
 def test_stays_cured(domain: dict[str, Any]) -> None:
-    answer = medial_axis(Domain.from_dict(domain)).to_dict()
+    begun: list[str] = []
+    answer = medial_axis(Domain.from_dict(domain), progress=lambda stage, share: begun.append(stage)).to_dict()
     assert answer["certificate"]["passed"] is True
     assert answer["graph"]["cycles"] == len(domain["holes"])
     assert answer["graph"]["components"] == 1
+    truth = domain.get("truth", {})
+    assert begun.count("sites") <= truth.get("rungs", len(LADDER))
+    assert node_counts(answer)[0] == truth.get("leaves", node_counts(answer)[0])
     if domain["name"] not in UNSEEN:
         assert_axis(domain, answer)
