@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -61,6 +62,7 @@ def test_workers_are_killed_and_replaced(tmp_path: Path) -> None:
     named = [("a/slow", {**ell, "note": "slow"}), ("a/dies", {**ell, "note": "dies"}), *((f"a/{i}", ell) for i in range(5))]
     outcomes = hunted(tmp_path, named)
     assert outcomes["a/slow"].category == "slow"
+    assert re.fullmatch(r"over [\d.]+ s, (0\.\d|nan) s of them at work", outcomes["a/slow"].text)  # it slept
     assert (outcomes["a/dies"].category, outcomes["a/dies"].kind) == ("failed", "worker died")
     assert sum(o.category == "certified" for o in outcomes.values()) == 5
 
