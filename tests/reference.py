@@ -394,8 +394,18 @@ class Reference:
     @cached_property
     def flat_corners(self) -> Floats:
         """(n, 2) places where the boundary turns left by too little for a corner, though by more than rounding."""
-        flat: Floats = self.boundary.end[(self.turns > 1e-12) & (self.turns < 10 * CORNER)]
+        flat: Floats = self.boundary.end[self._is_flat]
         return flat
+
+    @cached_property
+    def flat_turns(self) -> Floats:
+        """(n,) by how much it turns at each of them."""
+        turns: Floats = self.turns[self._is_flat]
+        return turns
+
+    @cached_property
+    def _is_flat(self) -> NDArray[np.bool_]:
+        return (self.turns > 1e-12) & (self.turns < 10 * CORNER)
 
     @cached_property
     def bends_beside_reflex(self) -> Floats:
