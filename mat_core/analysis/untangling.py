@@ -67,8 +67,8 @@ def untangled(loops: list[Loop], error: float) -> list[Loop]:
         for index in sorted({m.loops[0] for m in meetings}):
             own = [m for m in meetings if m.loops[0] == index]
             first = int(arrays.loop_start[index])
-            if any([_straighten_tip(loops[index], outline, m, first) for m in own if m.kind == TIP]):
-                changed = True
+            for m in own:
+                changed |= m.kind == TIP and _straighten_tip(loops[index], outline, m, first)
             cut = _without_rounds(loops[index], outline, [m for m in own if m.kind != TIP], first, longest, error)
             if cut is not None:
                 loops = [*loops[:index], cut, *loops[index + 1 :]]
