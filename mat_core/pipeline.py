@@ -64,7 +64,7 @@ def medial_axis(
     step : float, optional
         Largest spacing of sample points along the axis, relative to the larger side of the bounding box; at least 1e-6. The
         curves do not depend on it. With "march" it is the tracing step along the boundary, too (the paper's section 6); there the
-        default is 0.001, or one hundredth of the smallest edge if that is smaller, but no step of which there would be over 200,000.
+        default is 0.001, or one hundredth of the smallest edge if that is smaller, in 200,000 steps at most.
     smooth_angle : float
         Radians, 0 to 0.1; joints that turn by less are smooth: no branch of the axis runs into them (none does into a reflex one,
         so these are only smooth where they hardly turn). Where no axis with them smoothed passes its certificate (the rest of the

@@ -223,12 +223,12 @@ class _Rebuilder:
     def _away(self, segment: int, end: int) -> Floats:
         """Where a segment goes from its start (0) or its end (1)."""
         items = range(self.first[segment], self.first[segment + 1])
-        sign = -1.0 if end else 1.0
         if items:
-            away: Floats = sign * self.envelope.ends.forward[items[-end], end]
-            return away
-        # one that is shorter than its errors has no sides; it still parts those of the others
-        away = sign * self.axis.evaluate(np.array([segment]), np.array([float(end)]))[0, 3:5]
+            forward = self.envelope.ends.forward[items[-end], end]
+        else:
+            # one that is shorter than its errors has no sides; it still parts those of the others
+            forward = self.axis.evaluate(np.array([segment]), np.array([float(end)]))[0, 3:5]
+        away: Floats = -forward if end else forward
         return away
 
     def _gap(self, a: _Side, b: _Side) -> _Gap:

@@ -42,6 +42,15 @@ class _Place(NamedTuple):
     along: float
 
 
+class _Round(NamedTuple):
+    """The way from a crossing back to it: its length, both ends, and where they meet."""
+
+    length: float
+    start: _Place
+    end: _Place
+    place: Floats
+
+
 def untangled(loops: list[Loop], error: float) -> list[Loop]:
     """Loops without crossings that errors alone have made.
 
@@ -67,8 +76,8 @@ def untangled(loops: list[Loop], error: float) -> list[Loop]:
         for index in sorted({m.loops[0] for m in meetings}):
             own = [m for m in meetings if m.loops[0] == index]
             first = int(arrays.loop_start[index])
-            if any([_straighten_tip(loops[index], outline, m, first) for m in own if m.kind == TIP]):
-                changed = True
+            for m in own:
+                changed |= m.kind == TIP and _straighten_tip(loops[index], outline, m, first)
             cut = _without_rounds(loops[index], outline, [m for m in own if m.kind != TIP], first, longest, error)
             if cut is not None:
                 loops = [*loops[:index], cut, *loops[index + 1 :]]
@@ -97,30 +106,32 @@ def _arrays(loops: list[Loop]) -> BoundaryArrays:
 
 
 def _straighten_tip(loop: Loop, outline: Outline, meeting: Meeting, first: int) -> bool:
-    """Both handles at the tip of a cusp put on one tangent, if rounding has parted them; changes the loop."""
+    """Both handles at the tip of a cusp put on one tangent, if rounding has parted them; changes the loop. Lines stay."""
     edges = [int(outline.pi[piece, columns.EDGE]) - first for piece in meeting.pieces]
     before, after = sorted(edges, key=lambda e: meeting.t[edges.index(e)], reverse=True)
-    arriving, leaving = loop[before].control_points, loop[after].control_points
-    tip = leaving[0]
-    back, ahead = arriving[-2] - tip, leaving[1] - tip
-    along = back / np.hypot(*back) + ahead / np.hypot(*ahead)
-    along /= np.hypot(*along)
+    arriving, leaving = loop[before], loop[after]
+    tip = leaving.control_points[0]
+    handles = [(edge, at, edge.control_points[at] - tip) for edge, at in ((arriving, -2), (leaving, 1))]
+    straight = [handle for edge, _, handle in handles if edge.degree == 1]
+    along = sum(handle / np.hypot(*handle) for handle in straight or [handle for _, _, handle in handles])
+    along = along / np.hypot(*along)
     moved = False
-    for row, handle in ((arriving, back), (leaving, ahead)):
+    for edge, at, handle in handles:
         place = tip + (handle @ along) * along
-        at = -2 if row is arriving else 1
-        moved = moved or bool((row[at] != place).any())
-        row[at] = place
+        if edge.degree > 1 and (edge.control_points[at] != place).any():
+            edge.control_points[at] = place
+            moved = True
     return moved
 
 
 def _without_rounds(
     loop: Loop, outline: Outline, meetings: list[Meeting], first: int, longest: float, error: float
 ) -> Loop | None:
-    """The loop without the ways from its crossings back to them, the shortest first; None where none goes."""
-    index = meetings[0].loops[0] if meetings else 0
-    last = int(outline.piece_start[index + 1]) - 1
-    total = float(outline.pf[last, columns.CUM] + outline.pf[last, columns.LEN]) if meetings else 0.0
+    """The loop without the ways from its crossings back to them, shorter ones first; None where none goes."""
+    if not meetings:
+        return None
+    last = int(outline.piece_start[meetings[0].loops[0] + 1]) - 1
+    total = float(outline.pf[last, columns.CUM] + outline.pf[last, columns.LEN])
     rounds = []
     for m in meetings:
         a, b = sorted((_place(outline, piece, t, first) for piece, t in zip(m.pieces, m.t, strict=True)),
@@ -129,13 +140,18 @@ def _without_rounds(
         if 2.0 * length > total:
             a, b, length = b, a, total - length
         if 0.0 < length <= longest * outline.frame.scale:
-            rounds.append((length, a, b, np.array(outline.frame.to_input(*m.place))))
-    rounds.sort(key=lambda found: found[0])
-    for _, a, b, place in rounds:
-        if _is_error(_between(loop, a, b, place), error):
-            # the others, along the loop as it was, are looked for again
-            return _between(loop, b, a, place)
-    return None
+            rounds.append(_Round(length, a, b, np.array(outline.frame.to_input(*m.place))))
+    cuts: list[_Round] = []
+    for found in sorted(rounds, key=lambda found: found.length):
+        apart = all((found.start.along - cut.start.along) % total > cut.length
+                    and (cut.start.along - found.start.along) % total > found.length for cut in cuts)
+        if apart and _is_error(_between(loop, found.start, found.end, found.place, found.place), error):
+            cuts.append(found)
+    if not cuts:
+        return None
+    cuts.sort(key=lambda cut: cut.start.along)
+    return [edge for cut, after in zip(cuts, cuts[1:] + cuts[:1], strict=True)
+            for edge in _between(loop, cut.end, after.start, cut.place, after.place)]
 
 
 def _place(outline: Outline, piece: int, t: float, first: int) -> _Place:
@@ -153,8 +169,8 @@ def _is_error(way: Loop, error: float) -> bool:
     return abs(area) <= WIDTH * error * length
 
 
-def _between(loop: Loop, a: _Place, b: _Place, place: Floats) -> Loop:
-    """The edges from a on to b, both of which are put at `place`."""
+def _between(loop: Loop, a: _Place, b: _Place, start: Floats, end: Floats) -> Loop:
+    """The edges from a on to b, which are put at `start` and `end`."""
     out = []
     n = len(loop)
     count = (b.edge - a.edge) % n
@@ -168,7 +184,8 @@ def _between(loop: Loop, a: _Place, b: _Place, place: Floats) -> Loop:
         if u1 - u0 > NOTHING * (high - low):
             out.append(edge if (u0, u1) == (low, high) else edge.part(u0, u1))
     if out:
-        out[0], out[-1] = _moved(out[0], 0, place), _moved(out[-1], -1, place)
+        out[0] = _moved(out[0], 0, start)
+        out[-1] = _moved(out[-1], -1, end)
     return out
 
 

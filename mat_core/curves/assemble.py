@@ -36,6 +36,7 @@ from mat_core.curves.pieces import (
     Q_SIDE,
     Q_T0,
     Q_T1,
+    Pieces,
 )
 from mat_core.kernels.jit import inner, jit
 from mat_core.model.domain import Domain
@@ -52,6 +53,7 @@ FINEST_TOLERANCE = 2e-8  # below: degree 9; a fifth fewer pieces at 1e-9, a thir
 ROUNDING = 4.5e-16  # of coordinates, the caller's: two roundings of the largest one
 LEAST_SHARE = 0.5  # of the tolerance that fits must keep, when rounding takes the rest or more
 DRIFT = 64.0  # spans may grow or shrink so much against lengths; over thousands of C1 joints t would lose its digits
+SHORTEST = 1e-15  # span of a piece without length
 C1_DEFECT = 1e-12  # a joint whose control points are off their common line by more than this stays a full knot
 
 
@@ -77,91 +79,113 @@ def _smooth_span(cp: Floats, joint: int, span: float) -> tuple[float, float]:
 
 @jit
 def assemble_runs(
-    run_start: Ints, run_strip: Ints, run_forward: Flags, first: Ints, piece_i: Ints, piece_f: Floats, piece_cp: Floats,
-    found_i: Ints, found_f: Floats, rounding: float, degree: Ints, kind: Ints, max_error: Floats, knot_start: Ints,
-    knots: Floats, cp_start: Ints, cp: Floats, part_start: Ints, part_i: Ints, part_f: Floats,
+    run_start: Ints, run_strip: Ints, run_forward: Flags, pieces: Pieces, rounding: float, out: CurveTable
 ) -> None:
-    """All segments; the pieces of run g are first[run_start[g]] .. first[run_start[g + 1]], their parts found_i and found_f.
-
-    part_i (segment, strip, side, kind) and part_f (t0, t1, s0, s1) list the parts in order of travel.
-    """
-    cp_start[0] = 0
-    knot_start[0] = 0
-    part_start[0] = 0
-    for g in range(degree.shape[0]):
-        begin = first[run_start[g]]
-        end = first[run_start[g + 1]]
-        # 1. degree, kind and stated error of the whole run
-        n = int(np.int64(1))
-        error = 0.0
-        common = piece_i[begin, P_KIND]
-        for p in range(begin, end):
-            n = max(n, piece_i[p, P_DEGREE])
-            fitted = piece_i[p, P_KIND] == K_FREEFORM
-            error = max(error, piece_f[p, P_ERROR] + (AXIS_ROUNDING if fitted else 0.0))
-            if common != piece_i[p, P_KIND]:
-                common = K_FREEFORM
-        degree[g] = n
-        kind[g] = common
-        # 2. control points and knots, spans not yet scaled
-        row = cp_start[g]
-        knot = knot_start[g]
-        for m in range(n + 1):
-            knots[knot + m] = 0.0
-        knot += n + 1
-        u = 0.0
-        span = 0.0
-        defects = 0.0
-        fitted_before = False
-        for p in range(begin, end):
-            fitted = piece_i[p, P_KIND] == K_FREEFORM and piece_i[p, P_DEGREE] == n
-            raise_degree(piece_cp, piece_i[p, P_ROW], piece_i[p, P_DEGREE], n, cp, row)
-            length = max(piece_f[p, P_LENGTH], 1e-15)
-            if p > begin and fitted and fitted_before:
-                smooth_span, defect = _smooth_span(cp, row, span)
-                span = length
-                if defect <= C1_DEFECT and length < DRIFT * smooth_span and smooth_span < DRIFT * length:
-                    span = smooth_span
-                    defects = max(defects, defect)
-                    for m in range(row, row + n):
-                        for c in range(4):
-                            cp[m, c] = cp[m + 1, c]
-                    row -= 1
-                    knot -= 1
-            else:
-                span = length
-            for q in range(piece_i[p, P_PART], piece_i[p + 1, P_PART]):
-                step = found_i[q, Q_ROW]
-                part_i[q, 0] = g
-                part_i[q, 1] = run_strip[step]
-                part_i[q, 2] = found_i[q, Q_SIDE] if run_forward[step] else 1 - found_i[q, Q_SIDE]
-                part_i[q, 3] = piece_i[p, P_KIND]
-                part_f[q, 0] = u + span * found_f[q, Q_T0]
-                part_f[q, 1] = u + span * found_f[q, Q_T1]
-                part_f[q, 2] = found_f[q, Q_S0]
-                part_f[q, 3] = found_f[q, Q_S1]
-            u += span
-            row += n
-            for m in range(n):
-                knots[knot + m] = u
-            knot += n
-            fitted_before = fitted
-        row += 1
-        knots[knot] = u
-        knot += 1
-        # 3. t from 0 to 1
-        for m in range(knot_start[g] + n + 1, knot - n - 1):
-            knots[m] /= u
-        for m in range(n + 1):
-            knots[knot - 1 - m] = 1.0
-        part_start[g + 1] = piece_i[end, P_PART]
-        for m in range(part_start[g], part_start[g + 1]):
-            part_f[m, 0] /= u
-            part_f[m, 1] = part_f[m, 1] / u if m < part_start[g + 1] - 1 else 1.0
+    """All segments, each from the pieces of the strips of its run; its end in the tables of `out` is found here."""
+    out.cp_start[0] = 0
+    out.knot_start[0] = 0
+    out.part_start[0] = 0
+    for g in range(out.degree.shape[0]):
+        begin = pieces.first[run_start[g]]
+        end = pieces.first[run_start[g + 1]]
+        error = _measure(pieces, begin, end, out, g)
+        defects = _join(pieces, begin, end, out, g)
+        _list_parts(pieces, begin, end, run_strip, run_forward, out, g)
         # a joint moved by its defect moves either neighbouring piece by no more, and either has two
-        max_error[g] = error + 2.0 * defects + rounding
-        cp_start[g + 1] = row
-        knot_start[g + 1] = knot
+        out.max_error[g] = error + 2.0 * defects + rounding
+
+
+@inner
+def _measure(pieces: Pieces, begin: int, end: int, out: CurveTable, g: int) -> float:
+    """Degree and kind of segment g; the largest error of its pieces."""
+    degree = int(np.int64(1))
+    error = 0.0
+    kind = pieces.piece_i[begin, P_KIND]
+    for p in range(begin, end):
+        degree = max(degree, pieces.piece_i[p, P_DEGREE])
+        fitted = pieces.piece_i[p, P_KIND] == K_FREEFORM
+        error = max(error, pieces.piece_f[p, P_ERROR] + (AXIS_ROUNDING if fitted else 0.0))
+        if kind != pieces.piece_i[p, P_KIND]:
+            kind = K_FREEFORM
+    out.degree[g] = degree
+    out.kind[g] = kind
+    return error
+
+
+@inner
+def _join(pieces: Pieces, begin: int, end: int, out: CurveTable, g: int) -> float:
+    """Control points and knots of segment g; the largest distance that a joint was moved. Spans go to P_LENGTH."""
+    n = out.degree[g]
+    cp = out.cp
+    row = out.cp_start[g]
+    knot = out.knot_start[g]
+    for m in range(n + 1):
+        out.knots[knot + m] = 0.0
+    knot += n + 1
+    u = 0.0
+    span = 0.0
+    defects = 0.0
+    fitted_before = False
+    for p in range(begin, end):
+        fitted = pieces.piece_i[p, P_KIND] == K_FREEFORM and pieces.piece_i[p, P_DEGREE] == n
+        raise_degree(pieces.cp, pieces.piece_i[p, P_ROW], pieces.piece_i[p, P_DEGREE], n, cp, row)
+        length = max(pieces.piece_f[p, P_LENGTH], SHORTEST)
+        if p > begin and fitted and fitted_before:
+            smooth_span, defect = _smooth_span(cp, row, span)
+            span = length
+            if defect <= C1_DEFECT and length < DRIFT * smooth_span and smooth_span < DRIFT * length:
+                span = smooth_span
+                defects = max(defects, defect)
+                for m in range(row, row + n):
+                    for c in range(4):
+                        cp[m, c] = cp[m + 1, c]
+                row -= 1
+                knot -= 1
+        else:
+            span = length
+        pieces.piece_f[p, P_LENGTH] = span
+        u += span
+        row += n
+        for m in range(n):
+            out.knots[knot + m] = u
+        knot += n
+        fitted_before = fitted
+    out.cp_start[g + 1] = row + 1
+    out.knots[knot] = u
+    out.knot_start[g + 1] = knot + 1
+    # t from 0 to 1
+    for m in range(out.knot_start[g] + n + 1, knot - n):
+        out.knots[m] /= u
+    for m in range(n + 1):
+        out.knots[knot - m] = 1.0
+    return defects
+
+
+@inner
+def _list_parts(
+    pieces: Pieces, begin: int, end: int, run_strip: Ints, run_forward: Flags, out: CurveTable, g: int
+) -> None:
+    """Parts of segment g in order of travel, in the strips' own terms."""
+    first = out.part_start[g]
+    last = pieces.piece_i[end, P_PART]
+    u = 0.0
+    for p in range(begin, end):
+        span = pieces.piece_f[p, P_LENGTH]
+        for q in range(pieces.piece_i[p, P_PART], pieces.piece_i[p + 1, P_PART]):
+            step = pieces.part_i[q, Q_ROW]
+            out.part_i[q, 0] = g
+            out.part_i[q, 1] = run_strip[step]
+            out.part_i[q, 2] = pieces.part_i[q, Q_SIDE] if run_forward[step] else 1 - pieces.part_i[q, Q_SIDE]
+            out.part_i[q, 3] = pieces.piece_i[p, P_KIND]
+            out.part_f[q, 0] = u + span * pieces.part_f[q, Q_T0]
+            out.part_f[q, 1] = u + span * pieces.part_f[q, Q_T1]
+            out.part_f[q, 2] = pieces.part_f[q, Q_S0]
+            out.part_f[q, 3] = pieces.part_f[q, Q_S1]
+        u += span
+    for q in range(first, last):
+        out.part_f[q, 0] /= u
+        out.part_f[q, 1] = out.part_f[q, 1] / u if q < last - 1 else 1.0
+    out.part_start[g + 1] = last
 
 
 def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float, threads: int = 1) -> CurveTable:
@@ -192,23 +216,18 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     degree = _degree(tolerance)
     rounding = ROUNDING * (1.0 + float(np.abs(table.origin).max()) * table.scale)
     wanted = max(tolerance - rounding - AXIS_ROUNDING, LEAST_SHARE * tolerance)
-    f = fit_all(table, skeleton, graph, wanted, degree, threads)
-    count = len(f.piece_f)
-    parts = len(f.part_i)
-    degrees = np.empty(runs, dtype=np.int64)
-    kinds = np.empty(runs, dtype=np.int64)
-    max_error = np.empty(runs)
-    knot_start = np.empty(runs + 1, dtype=np.int64)
-    knots = np.empty(degree * count + (degree + 2) * runs)
-    cp_start = np.empty(runs + 1, dtype=np.int64)
-    cp = np.empty((degree * count + runs, 4))
-    part_start = np.empty(runs + 1, dtype=np.int64)
-    part_i = np.empty((parts, 4), dtype=np.int64)
-    part_f = np.empty((parts, 4))
-    assemble_runs(graph.run_start, graph.run_strip, graph.run_forward, f.first, f.piece_i, f.piece_f, f.piece_cp, f.part_i,
-                  f.part_f, rounding, degrees, kinds, max_error, knot_start, knots, cp_start, cp, part_start, part_i, part_f)
-    return CurveTable(degrees, kinds, knot_start, knots[: knot_start[-1]], cp_start, cp[: cp_start[-1]], max_error,
-                      part_start, part_i, part_f)
+    pieces, count = fit_all(table, skeleton, graph, wanted, degree, threads)
+    parts = int(pieces.piece_i[count, P_PART])
+    out = CurveTable(
+        np.empty(runs, dtype=np.int64), np.empty(runs, dtype=np.int64),
+        np.empty(runs + 1, dtype=np.int64), np.empty(degree * count + (degree + 2) * runs),
+        np.empty(runs + 1, dtype=np.int64), np.empty((degree * count + runs, 4)),
+        np.empty(runs),
+        np.empty(runs + 1, dtype=np.int64), np.empty((parts, 4), dtype=np.int64), np.empty((parts, 4)),
+    )  # fmt: skip
+    assemble_runs(graph.run_start, graph.run_strip, graph.run_forward, pieces, rounding, out)
+    return CurveTable(out.degree, out.kind, out.knot_start, out.knots[: out.knot_start[-1]], out.cp_start,
+                      out.cp[: out.cp_start[-1]], out.max_error, out.part_start, out.part_i, out.part_f)
 
 
 def _degree(tolerance: float) -> int:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.curves.way import I_X
+from mat_core.curves.way import I_X, Scratch
 from mat_core.kernels.jit import inner
 
 Floats = NDArray[np.float64]
@@ -27,15 +27,17 @@ def _binomial(n: int, k: int) -> float:
 
 
 @inner
-def write_fit(samples: Floats, m: int, hermite: Floats, newton: Floats, work: Floats, out: Floats, row: int) -> None:
+def write_fit(scratch: Scratch, m: int, out: Floats, row: int) -> None:
     """Bezier control points of degree m + 3: H raised in degree, plus tau^2 (1 - tau)^2 g in Bernstein form."""
+    newton = scratch.newton
+    work = scratch.bernstein
     n = m + 3
     for j in range(n + 1):
         total = _binomial(n, j)
         for c in range(3):
             value = 0.0
             for i in range(4):
-                value += hermite[i, c] * _binomial(3, i) * _binomial(n - 3, j - i) / total
+                value += scratch.hermite[i, c] * _binomial(3, i) * _binomial(n - 3, j - i) / total
             out[row + j, c] = value
         out[row + j, 3] = 1.0
     for c in range(3):
@@ -43,7 +45,7 @@ def write_fit(samples: Floats, m: int, hermite: Floats, newton: Floats, work: Fl
         work[0] = newton[m - 1, c]
         for i in range(m - 2, -1, -1):
             d = m - 2 - i
-            root = samples[i, 0]
+            root = scratch.samples[i, 0]
             for j in range(d + 1, -1, -1):
                 value = 0.0
                 if j <= d:
@@ -56,11 +58,13 @@ def write_fit(samples: Floats, m: int, hermite: Floats, newton: Floats, work: Fl
 
 
 @inner
-def straight(samples: Floats, row: int, m: int, ends: Floats, out: Floats, to: int) -> float:
+def straight(scratch: Scratch, row: int, m: int, out: Floats, to: int) -> float:
     """The last resort on a tiny interval: the chord itself; returns its error.
 
     That is how far the sample in `row` is from it, and its length where that could be a jump of the axis.
     """
+    samples = scratch.samples
+    ends = scratch.ends
     off = 0.0
     dd = 0.0
     t = min(max(samples[row, 0], 0.0), 1.0)

@@ -1,9 +1,9 @@
-r"""Whether one side of the boundary goes on into the next along the same curve: an edge given in parts, a knot that bends nothing.
+r"""Whether one side of the boundary goes on into the next along the same curve: an edge in parts, a knot that bends nothing.
 
         A          B          Two Beziers that both run away from V, with control points a_k and b_k, homogeneous about V:
     <-------- V ------>       (w (x - V), w). They are one curve if a change of parameter takes one to the other,
 
-    A(-lambda t) ~ B(t):      a[0, .., 0, -lambda, .. k times ..]  =  mu rho^k b_k         (weights w_k and w_k rho^k draw one curve)
+    A(-lambda t) ~ B(t):      a[0, .., 0, -lambda, .. k times ..]  =  mu rho^k b_k     (weights w_k and w_k rho^k draw one curve)
 
 with the blossom a[..] of A, whose values there are A's control points drawn out through V. mu makes the weights at V agree,
 lambda and rho the first legs; then all the others must. The longer one is drawn out over the shorter one, so never far.

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.curves.way import END_COLUMNS, I_ROW, I_S, I_TX, I_X, WAY_S0, WAY_S1, WAY_SITE
+from mat_core.curves.way import END_COLUMNS, I_ROW, I_S, I_TX, I_X, WAY_S0, WAY_S1, WAY_SITE, Track
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import V0, V1
@@ -19,21 +19,19 @@ PARALLEL = 1e-9  # |n1 - n2| below which two normals at one vertex are one
 
 
 @inner
-def tangent(
-    si: Ints, sf: Floats, cp: Floats, a: int, sa: float, b: int, sb: float, r: float, sign: float
-) -> tuple[float, float, float]:
+def tangent(track: Track, a: int, sa: float, b: int, sb: float, r: float, sign: float) -> tuple[float, float, float]:
     """Direction (x, y, r) of the axis at the disc of radius r with contacts sa on the right and sb on the left site.
 
     `sign` is 1 where a strip leaves, -1 where it arrives; it matters at a centre of curvature only.
     """
-    x, y, ax, ay, k, speed = evaluate(si, sf, cp, a, sa, 0.0, 0.0)
-    x, y, bx, by, k, speed = evaluate(si, sf, cp, b, sb, 0.0, 0.0)
+    x, y, ax, ay, k, speed = evaluate(track.si, track.sf, track.cp, a, sa, 0.0, 0.0)
+    x, y, bx, by, k, speed = evaluate(track.si, track.sf, track.cp, b, sb, 0.0, 0.0)
     # n1 - n2 = (by - ay, ax - bx), turned by -90 degrees
     tx = ax - bx
     ty = ay - by
     length = math.sqrt(tx * tx + ty * ty)
-    vertex_a = si[a, V0] if sa <= 0.0 else (si[a, V1] if sa >= 1.0 else -1)
-    vertex_b = si[b, V0] if sb <= 0.0 else (si[b, V1] if sb >= 1.0 else -2)
+    vertex_a = track.si[a, V0] if sa <= 0.0 else (track.si[a, V1] if sa >= 1.0 else -1)
+    vertex_b = track.si[b, V0] if sb <= 0.0 else (track.si[b, V1] if sb >= 1.0 else -2)
     if vertex_a == vertex_b and (r > 0.0 or length <= PARALLEL) or length == 0.0:
         return -sign * ay, sign * ax, sign
     tx /= length
@@ -57,26 +55,22 @@ def _put_end(
 
 
 @inner
-def put_disc(
-    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, way_f: Floats, w: int, end: int,
-    ends: Floats, row: int,
-) -> None:
+def put_disc(track: Track, w: int, end: int, ends: Floats, row: int) -> None:
     """End of an interval at the disc where the strip of row w starts (0) or ends (1)."""
-    d = strip_i[w, 2 + end]
-    t = tangent(si, sf, cp, strip_i[w, 0], strip_s[w, end], strip_i[w, 1], strip_s[w, 2 + end], disc[d, 2],
-                -1.0 if end else 1.0)
-    _put_end(ends, row, w, way_f[w, WAY_S1 if end else WAY_S0], disc[d, 0], disc[d, 1], disc[d, 2], t)
+    d = track.strip_i[w, 2 + end]
+    right, left = track.strip_i[w, 0], track.strip_i[w, 1]
+    t = tangent(track, right, track.strip_s[w, end], left, track.strip_s[w, 2 + end], track.disc[d, 2], -1.0 if end else 1.0)
+    s = track.way_f[w, WAY_S1 if end else WAY_S0]
+    _put_end(ends, row, w, s, track.disc[d, 0], track.disc[d, 1], track.disc[d, 2], t)
 
 
 @inner
-def put_sample(
-    si: Ints, sf: Floats, cp: Floats, strip_i: Ints, way_i: Ints, w: int, samples: Floats, row: int, ends: Floats, to: int
-) -> None:
+def put_sample(track: Track, w: int, samples: Floats, row: int, ends: Floats, to: int) -> None:
     """End of an interval at a sample in the strip of row w."""
     s = samples[row, 4]
     sj = samples[row, 5]
-    right = way_i[w, WAY_SITE] == strip_i[w, 0]
-    t = tangent(si, sf, cp, strip_i[w, 0], s if right else sj, strip_i[w, 1], sj if right else s, samples[row, 3], 1.0)
+    right = track.way_i[w, WAY_SITE] == track.strip_i[w, 0]
+    t = tangent(track, track.strip_i[w, 0], s if right else sj, track.strip_i[w, 1], sj if right else s, samples[row, 3], 1.0)
     _put_end(ends, to, w, s, samples[row, 1], samples[row, 2], samples[row, 3], t)
 
 

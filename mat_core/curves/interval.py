@@ -47,17 +47,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.curves.way import I_ROW, I_TX, I_X, PLAN_S0, PLAN_S1, PLAN_T, sample, sample_at
+from mat_core.curves.way import I_ROW, I_TX, I_X, PLAN_S0, PLAN_S1, PLAN_T, Scratch, Track, sample, sample_at
 from mat_core.kernels.jit import inner
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
-MAX_DEGREE = 9
-ROWS = MAX_DEGREE + 1  # control points kept for a piece
-
-# rows of samples (`way`): 0 .. m - 1 nodes, from m on m + 1 checks, two more near the ends, one spare
-SAMPLE_ROWS = 2 * (MAX_DEGREE - 3) + 4
 
 # abscissae of checks (even) and nodes (odd) up to the middle, for 2, 4 and 6 nodes: |W| is equally large at all checks
 FRACTIONS = (0.182223, 0.337294, 0.5,
@@ -116,13 +109,15 @@ def _cubic(hermite: Floats, t: float, c: int) -> float:
 
 
 @inner
-def _interpolate(samples: Floats, m: int, hermite: Floats, newton: Floats) -> None:
+def _interpolate(scratch: Scratch, m: int) -> None:
     """Newton coefficients (m, 3) of g through the nodes."""
+    samples = scratch.samples
+    newton = scratch.newton
     for i in range(m):
         t = samples[i, 0]
         weight = t * t * (1.0 - t) * (1.0 - t)
         for c in range(3):
-            newton[i, c] = (samples[i, 1 + c] - _cubic(hermite, t, c)) / weight
+            newton[i, c] = (samples[i, 1 + c] - _cubic(scratch.hermite, t, c)) / weight
     _divide(samples, newton, 0, m)
 
 
@@ -137,15 +132,18 @@ def _divide(samples: Floats, values: Floats, first: int, n: int) -> None:
 
 
 @inner
-def _miss(samples: Floats, row: int, m: int, hermite: Floats, newton: Floats, out: Floats, k: int) -> float:
-    """Norm of F - X at the sample in one row; the vector goes to row k of `out`."""
+def _miss(scratch: Scratch, row: int, m: int, k: int) -> float:
+    """Norm of F - X at the sample in one row; the vector goes to row k of `misses`."""
+    samples = scratch.samples
+    newton = scratch.newton
+    out = scratch.misses
     t = samples[row, 0]
     weight = t * t * (1.0 - t) * (1.0 - t)
     for c in range(3):
         g = newton[m - 1, c]
         for i in range(m - 2, -1, -1):
             g = g * (t - samples[i, 0]) + newton[i, c]
-        out[k, c] = _cubic(hermite, t, c) + weight * g - samples[row, 1 + c]
+        out[k, c] = _cubic(scratch.hermite, t, c) + weight * g - samples[row, 1 + c]
     return math.sqrt(out[k, 0] * out[k, 0] + out[k, 1] * out[k, 1]) + abs(out[k, 2])
 
 
@@ -159,8 +157,10 @@ def _weight(samples: Floats, m: int, t: float) -> float:
 
 
 @inner
-def _bound(samples: Floats, m: int, misses: Floats, points: Floats) -> float:
+def _bound(scratch: Scratch, m: int) -> float:
     """Bound of the norm of F - X from its values `misses` (m + 3, 3) at the checks, as above."""
+    samples = scratch.samples
+    misses = scratch.misses
     n = m + 3
     for k in range(n):
         weight = _weight(samples, m, samples[m + k, 0])
@@ -170,8 +170,8 @@ def _bound(samples: Floats, m: int, misses: Floats, points: Floats) -> float:
     largest = 0.0
     last = 0.0
     last_but_one = 0.0
-    for point in range(points.shape[0]):
-        t = points[point]
+    for point in range(CHEBYSHEV.shape[0]):
+        t = CHEBYSHEV[point]
         basis = _weight(samples, m, t)
         x = basis * misses[0, 0]
         y = basis * misses[0, 1]
@@ -194,20 +194,19 @@ def _bound(samples: Floats, m: int, misses: Floats, points: Floats) -> float:
     last_but_one = max(last_but_one, AXIS_ROUNDING)  # what is less says nothing
     q = min(max(last / last_but_one, FAST), SLOW)
     last = max(last, FAST * last_but_one)
-    return largest / math.cos(math.pi * (m + 3.0) / points.shape[0]) + last * q / (1.0 - q)
+    return largest / math.cos(math.pi * (m + 3.0) / CHEBYSHEV.shape[0]) + last * q / (1.0 - q)
 
 
 @inner
-def _chase_end(
-    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, ends: Floats, m: int, end: int,
-    samples: Floats, row: int, steps: Floats,
-) -> None:
+def _chase_end(track: Track, scratch: Scratch, m: int, end: int, row: int) -> None:
     """The check between the outermost one and an end: where the plan puts it, then by regula falsi nearer to its place."""
-    first = int(ends[0, I_ROW])
-    last = int(ends[1, I_ROW])
+    samples = scratch.samples
+    steps = scratch.steps
+    first = int(scratch.ends[0, I_ROW])
+    last = int(scratch.ends[1, I_ROW])
     f = OUTER * _fraction(m, 0)
     wanted = f if end == 0 else 1.0 - f
-    sample_at(si, sf, cp, way_i, way_f, wanted, ends, samples, row, steps)
+    sample_at(track, scratch, wanted, row)
     w = first if end == 0 else last
     t_out = 0.0 if end == 0 else 1.0
     s_out = steps[w - first, PLAN_S0 if end == 0 else PLAN_S1]
@@ -229,7 +228,7 @@ def _chase_end(
             t_in = t
             s_in = samples[row, 4]
         s = s_in + (s_out - s_in) * (wanted - t_in) / (t_out - t_in)
-        sample(si, sf, cp, way_i, way_f, w, s, ends, samples, row)
+        sample(track, scratch, w, s, row)
 
 
 @inner
@@ -239,60 +238,56 @@ def _well_inside(t: float, before: float, after: float) -> bool:
 
 
 @inner
-def attempt(
-    si: Ints, sf: Floats, cp: Floats, way_i: Ints, way_f: Floats, ends: Floats, m: int, tolerance: float,
-    samples: Floats, hermite: Floats, newton: Floats, misses: Floats, points: Floats, steps: Floats,
-) -> float:
+def attempt(track: Track, scratch: Scratch, m: int, tolerance: float) -> float:
     """Bound of the fit over the interval when it is within the tolerance; else about its error.
 
     Assumes that the plan is made and runs evenly. Infinite when there is no fit, or samples stand where they tell nothing.
     """
-    if not _hermite(ends, hermite):
+    samples = scratch.samples
+    if not _hermite(scratch.ends, scratch.hermite):
         return math.inf
     for i in range(m):
-        sample_at(si, sf, cp, way_i, way_f, _fraction(m, 2 * i + 1), ends, samples, i, steps)
+        sample_at(track, scratch, _fraction(m, 2 * i + 1), i)
         if not samples[i, 0] - (samples[i - 1, 0] if i else 0.0) > MIN_GAP:
             return math.inf
     if not 1.0 - samples[m - 1, 0] > MIN_GAP:
         return math.inf
-    _interpolate(samples, m, hermite, newton)
+    _interpolate(scratch, m)
     worst = 0.0
     for k in range(m + 1):
         # from the middle outwards, but for the second pair, which stands beside the ends
         step = (k + 1) // 2
         row = m + k if k == 0 else m + k + 2
         place = m + 2 * step if k % 2 == 0 else m - 2 * step
-        sample_at(si, sf, cp, way_i, way_f, _fraction(m, place), ends, samples, row, steps)
+        sample_at(track, scratch, _fraction(m, place), row)
         i = place // 2
         before = samples[i - 1, 0] if i > 0 else 0.0
         after = samples[i, 0] if i < m else 1.0
         if not _well_inside(samples[row, 0], before, after):
             return math.inf
-        worst = max(worst, _miss(samples, row, m, hermite, newton, misses, row - m))
+        worst = max(worst, _miss(scratch, row, m, row - m))
         if not worst <= tolerance:
             return worst
     for end in range(2):
         row = m + 1 + end
-        _chase_end(si, sf, cp, way_i, way_f, ends, m, end, samples, row, steps)
+        _chase_end(track, scratch, m, end, row)
         if not _well_inside(samples[row, 0], samples[2 * m + 2, 0] if end else 0.0, 1.0 if end else samples[2 * m + 1, 0]):
             return math.inf
-        worst = max(worst, _miss(samples, row, m, hermite, newton, misses, row - m))
+        worst = max(worst, _miss(scratch, row, m, row - m))
     if not worst <= tolerance:
         return worst
-    return _bound(samples, m, misses, points)
+    return _bound(scratch, m)
 
 
 @inner
-def refuted(
-    disc: Floats, strip_i: Ints, ends: Floats, m: int, bound: float, samples: Floats, spare: int, hermite: Floats,
-    newton: Floats, misses: Floats, steps: Floats,
-) -> bool:
+def refuted(track: Track, scratch: Scratch, m: int, bound: float, spare: int) -> bool:
     """Whether the fit misses a disc between the interval's strips by more than its bound."""
-    first = int(ends[0, I_ROW])
-    for w in range(first, int(ends[1, I_ROW])):
-        samples[spare, 0] = steps[w + 1 - first, PLAN_T]
+    samples = scratch.samples
+    first = int(scratch.ends[0, I_ROW])
+    for w in range(first, int(scratch.ends[1, I_ROW])):
+        samples[spare, 0] = scratch.steps[w + 1 - first, PLAN_T]
         for c in range(3):
-            samples[spare, 1 + c] = disc[strip_i[w, 3], c]
-        if _miss(samples, spare, m, hermite, newton, misses, 0) > bound + AXIS_ROUNDING:
+            samples[spare, 1 + c] = track.disc[track.strip_i[w, 3], c]
+        if _miss(scratch, spare, m, 0) > bound + AXIS_ROUNDING:
             return True
     return False

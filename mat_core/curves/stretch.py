@@ -30,6 +30,7 @@ from mat_core.curves.pieces import (
     P_KIND,
     P_LENGTH,
     P_ROW,
+    Pieces,
     add_part,
     choose_side,
     lay_way,
@@ -47,6 +48,8 @@ from mat_core.curves.way import (
     WAY_S0,
     WAY_S1,
     WAY_SITE,
+    Scratch,
+    Track,
     plan,
     sample,
     sample_at,
@@ -54,7 +57,6 @@ from mat_core.curves.way import (
 from mat_core.kernels.jit import inner
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 TINY = 1e-11  # a chord this short is not cut any more, nor is an interval this short relative to the whole strip
 SHORT = 0.25  # nor is a chord this short relative to the tolerance: drawn straight it is near enough
@@ -79,11 +81,10 @@ def _hope(error: float, tolerance: float, m: int) -> float:
 
 
 @inner
-def _shorten(
-    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, way_i: Ints, way_f: Floats, ends: Floats,
-    tolerance: float, share: float, even: bool, samples: Floats, spare: int, steps: Floats, waiting: Floats, to: int,
-) -> bool:
+def _shorten(track: Track, scratch: Scratch, tolerance: float, share: float, even: bool, spare: int, to: int) -> bool:
     """Put an end at a share of the interval into row `to`; False when the interval is too short to be cut."""
+    ends = scratch.ends
+    steps = scratch.steps
     first = int(ends[0, I_ROW])
     strips = int(ends[1, I_ROW]) - first + 1
     w = first
@@ -98,34 +99,33 @@ def _shorten(
             if cut == 0 or cut < strips - 1 and steps[cut + 1, PLAN_T] - share < share - steps[cut, PLAN_T]:
                 cut += 1
         if not even or abs(steps[cut, PLAN_T] - share) <= beside * share:
-            put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, first + cut - 1, 1, waiting, to)
+            put_disc(track, first + cut - 1, 1, scratch.waiting, to)
             return True
     if even:
-        sample_at(si, sf, cp, way_i, way_f, share, ends, samples, spare, steps)
-    s = samples[spare, 4]
+        sample_at(track, scratch, share, spare)
+    s = scratch.samples[spare, 4]
     s0 = steps[w - first, PLAN_S0]
     s1 = steps[w - first, PLAN_S1]
     inside = 0.0 < abs(s - s0) < abs(s1 - s0)
     if strips > 1 and not inside:
-        put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, max(w - 1, first), 1, waiting, to)
+        put_disc(track, max(w - 1, first), 1, scratch.waiting, to)
         return True
     chord = 0.0
     for c in range(3):
         chord = max(chord, abs(ends[1, I_X + c] - ends[0, I_X + c]))
     if not chord > max(TINY, SHORT * tolerance) or not inside or to + 1 >= WAITING:
         return False
-    if not abs(s1 - s0) > TINY * abs(way_f[w, WAY_S1] - way_f[w, WAY_S0]):
+    if not abs(s1 - s0) > TINY * abs(track.way_f[w, WAY_S1] - track.way_f[w, WAY_S0]):
         return False
-    put_sample(si, sf, cp, strip_i, way_i, w, samples, spare, waiting, to)
+    put_sample(track, w, scratch.samples, spare, scratch.waiting, to)
     return True
 
 
 @inner
-def _lengthen(
-    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, way_i: Ints, way_f: Floats, ends: Floats,
-    hope: float, samples: Floats, spare: int, waiting: Floats, limit: int,
-) -> bool:
+def _lengthen(track: Track, scratch: Scratch, hope: float, spare: int, limit: int) -> bool:
     """Move the interval's end towards that in row `limit`, which is too far; False when there is no room."""
+    ends = scratch.ends
+    waiting = scratch.waiting
     length = apart(ends, 0, ends, 1)
     room = apart(waiting, limit, ends, 0) - length
     wanted = min((hope - 1.0) * length, TOWARDS * room)
@@ -134,153 +134,140 @@ def _lengthen(
     w = int(ends[1, I_ROW])
     last = int(waiting[limit, I_ROW])
     s = ends[1, I_S]
-    if s == way_f[w, WAY_S1] and w < last:
+    if s == track.way_f[w, WAY_S1] and w < last:
         w += 1
-        s = way_f[w, WAY_S0]
+        s = track.way_f[w, WAY_S0]
     if w == last:
         between = s + wanted / room * (waiting[limit, I_S] - s)
         if not 0.0 < abs(between - s) < abs(waiting[limit, I_S] - s):
             return False
-        sample(si, sf, cp, way_i, way_f, w, between, ends, samples, spare)
-        put_sample(si, sf, cp, strip_i, way_i, w, samples, spare, ends, 1)
+        sample(track, scratch, w, between, spare)
+        put_sample(track, w, scratch.samples, spare, ends, 1)
         return True
     best = w
     off = math.inf
     for k in range(w, last):
-        d = strip_i[k, 3]
-        dx = disc[d, 0] - ends[0, I_X]
-        dy = disc[d, 1] - ends[0, I_X + 1]
-        dr = disc[d, 2] - ends[0, I_X + 2]
+        d = track.strip_i[k, 3]
+        dx = track.disc[d, 0] - ends[0, I_X]
+        dy = track.disc[d, 1] - ends[0, I_X + 1]
+        dr = track.disc[d, 2] - ends[0, I_X + 2]
         miss = abs(math.sqrt(dx * dx + dy * dy + dr * dr) - length - wanted)
         if miss < off:
             off = miss
             best = k
-    put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, best, 1, ends, 1)
+    put_disc(track, best, 1, ends, 1)
     return True
 
 
 @inner
-def _record(
-    strip_i: Ints, way_i: Ints, ends: Floats, steps: Floats, m: int, error: float, piece_i: Ints, piece_f: Floats,
-    piece_cp: Floats, part_i: Ints, part_f: Floats, p: int,
-) -> None:
+def _record(track: Track, scratch: Scratch, pieces: Pieces, m: int, error: float, p: int) -> None:
     """Piece p is what was written for the interval; it takes the place of a shorter one."""
-    w = int(ends[0, I_ROW])
-    strips = int(ends[1, I_ROW]) - w + 1
-    piece_i[p, P_DEGREE] = m + 3
-    piece_i[p, P_KIND] = K_FREEFORM
-    piece_f[p, P_ERROR] = error
-    piece_f[p, P_LENGTH] = polygon_length(piece_cp, piece_i[p, P_ROW], m + 3)
-    piece_i[p + 1, P_ROW] = piece_i[p, P_ROW] + m + 4
+    steps = scratch.steps
+    w = int(scratch.ends[0, I_ROW])
+    strips = int(scratch.ends[1, I_ROW]) - w + 1
+    row = pieces.piece_i[p, P_ROW]
+    pieces.piece_i[p, P_DEGREE] = m + 3
+    pieces.piece_i[p, P_KIND] = K_FREEFORM
+    pieces.piece_f[p, P_ERROR] = error
+    pieces.piece_f[p, P_LENGTH] = polygon_length(pieces.cp, row, m + 3)
+    pieces.piece_i[p + 1, P_ROW] = row + m + 4
     for k in range(strips):
         t0 = steps[k, PLAN_T] if k else 0.0
         t1 = steps[k + 1, PLAN_T] if k < strips - 1 else 1.0
-        side = 0 if way_i[w + k, WAY_SITE] == strip_i[w + k, 0] else 1
-        add_part(piece_i, part_i, part_f, p, k, w + k, side, t0, t1, steps[k, PLAN_S0], steps[k, PLAN_S1])
+        side = 0 if track.way_i[w + k, WAY_SITE] == track.strip_i[w + k, 0] else 1
+        add_part(pieces, p, k, w + k, side, t0, t1, steps[k, PLAN_S0], steps[k, PLAN_S1])
 
 
 @inner
-def _try(
-    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, way_i: Ints, way_f: Floats, ends: Floats, m: int,
-    tolerance: float, samples: Floats, hermite: Floats, newton: Floats, misses: Floats, points: Floats, steps: Floats,
-) -> tuple[bool, float]:
+def _try(track: Track, scratch: Scratch, m: int, tolerance: float) -> tuple[bool, float]:
     """(whether the plan runs evenly, the bound within the tolerance or about the error) of a piece over the interval."""
     spare = 2 * m + 3
-    if int(ends[1, I_ROW]) - int(ends[0, I_ROW]) >= MAX_STRIPS:
+    if int(scratch.ends[1, I_ROW]) - int(scratch.ends[0, I_ROW]) >= MAX_STRIPS:
         return False, math.inf
-    if not plan(si, sf, cp, way_i, way_f, disc, strip_i, ends, samples, spare, steps):
+    if not plan(track, scratch, spare):
         return False, math.inf
-    error = attempt(si, sf, cp, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses, points, steps)
-    if error <= tolerance and refuted(disc, strip_i, ends, m, error, samples, spare, hermite, newton, misses, steps):
+    error = attempt(track, scratch, m, tolerance)
+    if error <= tolerance and refuted(track, scratch, m, error, spare):
         error = DOUBTED * tolerance
     return True, error
 
 
 @inner
-def _shortest(
-    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, way_i: Ints, way_f: Floats, ends: Floats,
-    m: int, tolerance: float, samples: Floats, hermite: Floats, newton: Floats, misses: Floats, points: Floats, steps: Floats,
-    waiting: Floats, left: int,
-) -> tuple[float, int]:
+def _shortest(track: Track, scratch: Scratch, m: int, tolerance: float, left: int) -> tuple[float, int]:
     """Step 1: (bound or error of the first piece that does, or cannot be shorter, how many ends wait); its end is taken off."""
     while True:
-        copy_end(waiting, left - 1, ends, 1)
-        even, error = _try(si, sf, cp, disc, strip_i, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses, points,
-                           steps)
+        copy_end(scratch.waiting, left - 1, scratch.ends, 1)
+        even, error = _try(track, scratch, m, tolerance)
         if error <= tolerance:
             return error, left - 1
         share = min(max(_hope(error, tolerance, m), LEAST_CUT), MOST_CUT)
-        if not _shorten(si, sf, cp, disc, strip_i, strip_s, way_i, way_f, ends, tolerance, share, even, samples, 2 * m + 3,
-                        steps, waiting, left):
+        if not _shorten(track, scratch, tolerance, share, even, 2 * m + 3, left):
             if even:
-                error = attempt(si, sf, cp, way_i, way_f, ends, m, math.inf, samples, hermite, newton, misses, points, steps)
+                error = attempt(track, scratch, m, math.inf)
             return error, left - 1
         left += 1
 
 
 @inner
-def _next_start(way_f: Floats, end: int, ends: Floats) -> None:
+def _next_start(track: Track, end: int, ends: Floats) -> None:
     """The next piece begins where the last one ended: in the next strip, where that is a disc between strips."""
     copy_end(ends, 2, ends, 0)
     w = int(ends[0, I_ROW])
-    if ends[0, I_S] == way_f[w, WAY_S1] and w < end - 1:
+    if ends[0, I_S] == track.way_f[w, WAY_S1] and w < end - 1:
         ends[0, I_ROW] = w + 1
-        ends[0, I_S] = way_f[w + 1, WAY_S0]
+        ends[0, I_S] = track.way_f[w + 1, WAY_S0]
 
 
 @inner
 def free_stretch(
-    si: Ints, sf: Floats, cp: Floats, disc: Floats, strip_i: Ints, strip_s: Floats, begin: int, end: int, flip: int,
-    tolerance: float, m: int, ends: Floats, waiting: Floats, samples: Floats, hermite: Floats, newton: Floats,
-    misses: Floats, points: Floats, steps: Floats, work: Floats, way_i: Ints, way_f: Floats, piece_i: Ints, piece_f: Floats,
-    piece_cp: Floats, part_i: Ints, part_f: Floats, count: int,
+    track: Track, scratch: Scratch, pieces: Pieces, begin: int, end: int, flip: int, tolerance: float, m: int,
+    count: int,
 ) -> int:
     """Pieces of the strips in rows begin .. end - 1, in order of travel; returns their new number or a status.
 
     With `flip` each strip is sampled through the other side.
     """
     for w in range(begin, end):
-        side = choose_side(si, sf, disc, strip_i, strip_s, w)
-        lay_way(strip_i, strip_s, w, 1 - side if flip else side, way_i, way_f)
+        side = choose_side(track, w)
+        lay_way(track, w, 1 - side if flip else side)
+    ends = scratch.ends
+    waiting = scratch.waiting
     spare = 2 * m + 3
-    put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, begin, 0, ends, 0)
-    put_disc(si, sf, cp, disc, strip_i, strip_s, way_f, end - 1, 1, waiting, 0)
+    put_disc(track, begin, 0, ends, 0)
+    put_disc(track, end - 1, 1, waiting, 0)
     left = int(np.int64(1))  # not a literal: each literal would be compiled for once more
     p = count
     reach = 0.0
     while left > 0:
-        if p + 1 >= piece_i.shape[0]:
+        if p + 1 >= pieces.piece_i.shape[0]:
             return NO_ROOM
         if p - count >= MAX_PIECES:
             return NO_FIT
-        row = piece_i[p, P_ROW]
+        row = pieces.piece_i[p, P_ROW]
         # nearer ends than the last piece is long were too far from its start, not from this one
         while left > 1 and apart(waiting, left - 1, ends, 0) < reach:
             left -= 1
-        error, left = _shortest(si, sf, cp, disc, strip_i, strip_s, way_i, way_f, ends, m, tolerance, samples, hermite, newton,
-                                misses, points, steps, waiting, left)
+        error, left = _shortest(track, scratch, m, tolerance, left)
         if error < math.inf:
-            write_fit(samples, m, hermite, newton, work, piece_cp, row)
+            write_fit(scratch, m, pieces.cp, row)
         else:
-            error = straight(samples, spare, m, ends, piece_cp, row)
+            error = straight(scratch, spare, m, pieces.cp, row)
         if not error <= max(tolerance, LOST):
             return NO_FIT
-        _record(strip_i, way_i, ends, steps, m, error, piece_i, piece_f, piece_cp, part_i, part_f, p)
+        _record(track, scratch, pieces, m, error, p)
         copy_end(ends, 1, ends, 2)
         # step 2: longer
         for _ in range(TRIES):
             if left == 0 or not error <= tolerance:
                 break
-            if not _lengthen(si, sf, cp, disc, strip_i, strip_s, way_i, way_f, ends, _hope(error, tolerance, m), samples, spare,
-                             waiting, left - 1):
+            if not _lengthen(track, scratch, _hope(error, tolerance, m), spare, left - 1):
                 break
-            even, error = _try(si, sf, cp, disc, strip_i, way_i, way_f, ends, m, tolerance, samples, hermite, newton, misses,
-                               points, steps)
+            even, error = _try(track, scratch, m, tolerance)
             if error <= tolerance:
-                write_fit(samples, m, hermite, newton, work, piece_cp, row)
-                _record(strip_i, way_i, ends, steps, m, error, piece_i, piece_f, piece_cp, part_i, part_f, p)
+                write_fit(scratch, m, pieces.cp, row)
+                _record(track, scratch, pieces, m, error, p)
                 copy_end(ends, 1, ends, 2)
         reach = apart(ends, 0, ends, 2)
-        _next_start(way_f, end, ends)
+        _next_start(track, end, ends)
         p += 1
     return p

@@ -18,6 +18,7 @@ from tests.families import CATALOGUE
 
 Json = dict[str, Any]
 
+FARTHEST = 8.0  # errors of an axis by which a boundary rebuilt from it may miss: corners are put between two sides that miss each
 TARGET = 1e-9  # of the size, for axes within 1e-10
 
 
@@ -76,6 +77,24 @@ def test_a_rounded_corner_does_not_run_back_along_itself(points: list[list[float
 def test_an_icon_does_not_run_back_along_itself(tolerance: float) -> None:
     shape = next(row for row in outlines("regressions") if row["name"] == "envelope-that-folds")
     assert_domain_again(reconstruct(solve(shape, tolerance)))
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-9])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "foot-beside-the-end",
+        "tip-of-a-rebuilt-cusp",
+        "flat-corner-rebuilt",
+        "vertices-that-drift",
+        "segment-shorter-than-its-error",
+    ],
+)
+def test_a_domain_comes_back_at_any_tolerance(name: str, tolerance: float) -> None:
+    axis = solve(next(row for row in outlines("regressions") if row["name"] == name), tolerance)
+    rebuilt = reconstruct(axis)
+    assert_domain_again(rebuilt)
+    assert rebuilt.distance <= FARTHEST * tolerance * axis.domain.size
 
 
 @pytest.mark.parametrize("index", range(0, 40, 2))

@@ -39,3 +39,10 @@ def test_stays_cured(domain: dict[str, Any]) -> None:
     assert node_counts(answer)[0] == truth.get("leaves", node_counts(answer)[0])
     if domain["name"] not in UNSEEN:
         assert_axis(domain, answer)
+
+
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-11, 1e-12])
+def test_a_foot_beside_an_end_is_found_by_the_certificate(tolerance: float) -> None:
+    domain = next(d for d in REGRESSIONS if d["name"] == "foot-beside-the-end")
+    axis = medial_axis(Domain.from_dict(domain), tolerance=tolerance)
+    assert axis.certificate["checks"]["curves_on_axis"]["measured"] <= 2e-11

@@ -15,7 +15,27 @@ import numpy as np
 
 from mat_core import MedialAxis
 from mat_core.boundary.sites import SiteTable
-from mat_core.kernels.layout import ARC, CP0, DEG, FAN, K0, KIND, LINE, SPIRAL, SWEEP, TX0, TY0, X0, X1, Y0, Y1
+from mat_core.kernels.layout import (
+    ARC,
+    CP0,
+    DEG,
+    FAN,
+    K0,
+    KIND,
+    LINE,
+    SPIRAL,
+    SWEEP,
+    TX0,
+    TY0,
+    X0,
+    X0_LOW,
+    X1,
+    X1_LOW,
+    Y0,
+    Y0_LOW,
+    Y1,
+    Y1_LOW,
+)
 from mat_core.tracing.locate import locate
 
 Wide = np.ndarray[Any, Any]
@@ -49,7 +69,7 @@ def frames(table: SiteTable, site: Wide, s: Wide) -> tuple[Wide, Wide, Wide, Wid
     p, n, p1, n1 = (np.zeros((len(site), 2), np.longdouble) for _ in range(4))
     kind = table.si[site, KIND]
     f = table.sf[site].astype(np.longdouble)
-    p[:] = f[:, [X0, Y0]]
+    p[:] = f[:, [X0, Y0]] + f[:, [X0_LOW, Y0_LOW]]
     k = kind == LINE
     way = (f[:, [X1, Y1]] - f[:, [X0, Y0]])[k]
     p[k] += s[k, None] * way
@@ -63,10 +83,14 @@ def frames(table: SiteTable, site: Wide, s: Wide) -> tuple[Wide, Wide, Wide, Wid
     n[k], p1[k], n1[k] = _left(turned), (sweep / curvature)[:, None] * turned, -sweep[:, None] * turned
     for degree in np.unique(table.si[site[kind == SPIRAL], DEG]):
         k = np.flatnonzero((kind == SPIRAL) & (table.si[site, DEG] == degree))
-        c, c1, c2 = _bezier(table.cp[table.si[site[k], CP0][:, None] + np.arange(degree + 1)].astype(np.longdouble), s[k])
+        beziers = table.cp[table.si[site[k], CP0][:, None] + np.arange(degree + 1)].astype(np.longdouble)
+        c, c1, c2 = _bezier(beziers, s[k])
         turned = c1 / np.hypot(*c1.T)[:, None]
         turn = (c1[:, 0] * c2[:, 1] - c1[:, 1] * c2[:, 0]) / (c1 * c1).sum(axis=1)
+        # from the nearer end: neighbours share it to all digits
+        late = s[k] > 0.5
         p[k] += c
+        p[k[late]] = (f[k][:, [X1, Y1]] + f[k][:, [X1_LOW, Y1_LOW]] + c - beziers[:, -1, :2])[late]
         n[k], p1[k], n1[k] = _left(turned), c1, -turn[:, None] * turned
     return p, n, p1, n1
 

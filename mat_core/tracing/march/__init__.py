@@ -36,7 +36,7 @@ from mat_core.tracing.march.walk import March
 
 DEFAULT_STEP = 1e-3  # section 6, for domains scaled to 1
 EDGE_SHARE = 0.01  # section 6: one hundredth of the smallest edge, if that is smaller
-MOST_DEFAULT_STEPS = 200_000  # ours: an edge that is very small among others does not make the default step as small; some seconds
+MOST_DEFAULT_STEPS = 200_000  # ours: one very small edge does not make the default step as small; some seconds
 DEFAULT_CHECK_STEP = 10  # section 6: "an order of magnitude greater"
 MOST_STEPS = 2_000_000
 ROUNDED_UP = 1.05  # what rounding to two digits may take from the step that an error names
@@ -89,9 +89,10 @@ def march(table: SiteTable, size: float, step: float | None = None, check_step: 
         )
     length = step * size if step is not None else default_step(table, size)
     if not _way(table) <= MOST_STEPS * length:
-        told = f"steps of {length / size:.3g} of the size are some {_way(table) / length:.3g} along this boundary, more than {MOST_STEPS}"
+        steps = f"some {_way(table) / length:.3g} along this boundary, more than {MOST_STEPS}"
         least = ROUNDED_UP * _way(table) / (MOST_STEPS * size)
-        raise UnsupportedOption("step", f'{told}; give {least:.2g} or more, or use method "discs"')
+        advice = f'give {least:.2g} or more, or use method "discs"'
+        raise UnsupportedOption("step", f"steps of {length / size:.3g} are {steps}; {advice}")
     walk = March(table, length, check_step or DEFAULT_CHECK_STEP)
     walk.run()
     return walk.record.skeleton()
