@@ -41,6 +41,7 @@ from mat_core.kernels.layout import (
 from mat_core.topology.discs import K_LOW
 
 ROOT_STEPS = 120
+ROOT_ROUNDING = 2e-16  # of a parameter
 YIELD = 4.0  # ties
 CONCENTRIC = 1e-6  # a centre this near to that of curvature, relative to its radius, moves its nearest point by rounding alone
 FOOT_STEPS = 40
@@ -89,41 +90,62 @@ def _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie):
 
 @inner
 def partner_change(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie):
-    """(s, phi, s_left, s_right) where the partner changes from `left` (wins at lo) to `right` (wins at hi)."""
+    """(s, phi, s_left, s_right) where the partner changes from `left` (wins at lo) to `right` (wins at hi).
+
+    Inverse quadratic interpolation where three values allow it, else halving (Chandrupatla 1997), but the ends are never looked
+    at: their signs are known. Never nearer to an end than rounding, so that a root just inside of one is bracketed at once.
+    """
     a = lo
     b = hi
     fa = fb = 0.0
     known_a = known_b = False
     s = 0.5 * (a + b)
-    side = 0
+    at = s
+    least = math.inf
+    phi = s_left = s_right = 0.0
     for step in range(ROOT_STEPS):
-        f, phi, sl, sr = _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie)
+        f, value, sl, sr = _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie)
+        if abs(f) < least:
+            least = abs(f)
+            at = s
+            phi = value
+            s_left = sl
+            s_right = sr
+        # the end that s takes the place of is the third point
         if f > 0.0:
+            third = a
+            f3 = fa
+            known = known_a
             a = s
             fa = f
             known_a = True
-            if side == 1 and known_b:
-                fb *= 0.5
-            side = 1
-        elif f < 0.0:
+        else:
+            third = b
+            f3 = fb
+            known = known_b
             b = s
             fb = f
             known_b = True
-            if side == -1 and known_a:
-                fa *= 0.5
-            side = -1
-        if f == 0.0 or b - a <= 2e-16 * max(abs(a), abs(b)):
+        tight = ROOT_ROUNDING * max(abs(a), abs(b))
+        if f == 0.0 or b - a <= 2.0 * tight:
             break
-        new = 0.5 * (a + b)
-        if known_a and known_b and step % 4 != 3:
-            new = a + (b - a) * (fa / (fa - fb))
-            if not a < new < b:
-                new = 0.5 * (a + b)
+        opposite = b if f > 0.0 else a
+        share = 0.5
+        if known_a and known_b:
+            f2 = fb if f > 0.0 else fa
+            share = f / (f - f2)
+            if known:
+                x = (s - opposite) / (third - opposite)
+                y = (f - f2) / (f3 - f2)
+                share = 0.5
+                if 1.0 - math.sqrt(1.0 - x) < y < math.sqrt(x):
+                    share = f / (f2 - f) * f3 / (f2 - f3) + (third - s) / (opposite - s) * f / (f3 - f) * f2 / (f3 - f2)
+            share = min(max(share, tight / (b - a)), 1.0 - tight / (b - a))
+        new = s + share * (opposite - s)
         if not a < new < b:
             break
         s = new
-    f, phi, sl, sr = _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie)
-    return s, phi, sl, sr
+    return at, phi, s_left, s_right
 
 
 @inner
