@@ -123,7 +123,8 @@ class Nursery:
         elif worker in self._pids and command == KILL:
             os.kill(self._pids[worker], signal.SIGKILL)
         elif worker in self._pids and command == LOWER:
-            give_way(self._pids[worker], self._long_priority)
+            with contextlib.suppress(ProcessLookupError):  # it has just ended
+                give_way(self._pids[worker], self._long_priority)
         return True
 
     def _spawn(self, worker: int, descriptor: int) -> None:
