@@ -12,6 +12,7 @@ import time
 from collections.abc import AsyncIterator
 
 from fastapi import Request
+from starlette.requests import ClientDisconnect
 
 from service.compression import expanded
 from service.errors import RequestError
@@ -62,18 +63,19 @@ async def _arriving(request: Request, limit: int) -> AsyncIterator[bytes]:
         raise too_large
     settings: Settings = request.app.state.settings
     left = settings.upload_seconds
-    stream = request.stream()
     request.state.bytes_in = 0
-    while True:
+    more = True
+    while more:
         asked = time.monotonic()
         try:
             async with asyncio.timeout(left):
-                piece = await anext(stream, None)
+                message = await request.receive()
         except TimeoutError:
             detail = f"It was waited for {settings.upload_seconds:g} s, and a second for each {LEAST_RATE} bytes of it."
             raise RequestError("upload-timeout", detail, headers=_CLOSE) from None
-        if piece is None:
-            return
+        if message["type"] == "http.disconnect":
+            raise ClientDisconnect
+        piece, more = message.get("body", b""), message.get("more_body", False)
         left += len(piece) / LEAST_RATE - (time.monotonic() - asked)
         request.state.bytes_in += len(piece)
         if request.state.bytes_in > limit:

@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
-import json
 import re
 from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import orjson
 from starlette.datastructures import Headers
 
 from service.errors import RequestError
@@ -36,7 +36,7 @@ _TAG = re.compile(r'(W/)?("[\x21\x23-\x7e\x80-\xff]*")')
 
 async def digest(body: bytes, **order: Any) -> str:
     """The hash of a body and of everything else that decides its answer."""
-    state = hashlib.sha256(json.dumps(order, sort_keys=True).encode() + b"\n")
+    state = hashlib.sha256(orjson.dumps(order, option=orjson.OPT_SORT_KEYS) + b"\n")
     if len(body) > INLINE_BYTES:
         await asyncio.to_thread(state.update, body)
     else:

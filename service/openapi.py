@@ -29,6 +29,7 @@ from service.openapi_parts import (
     accepted,
     failures,
     headers,
+    problems,
     reference,
 )
 from service.operations import OPERATIONS, Operation
@@ -121,7 +122,8 @@ def build(app: FastAPI) -> Json:
     execute["responses"] = {"200": _executed(), "201": accepted()}
     execute["parameters"] += [PREFER, IDEMPOTENCY_KEY]
     _describe_jobs(document["paths"])
-    document["components"]["securitySchemes"] = SECURITY
+    told = {code for path in document["paths"] for code in codes_of(path)}
+    document["components"] |= {"securitySchemes": SECURITY, "examples": problems(code for code in ERRORS if code in told)}
     for path, methods in document["paths"].items():
         for description in methods.values():
             good = {status: response for status, response in description["responses"].items() if int(status) < 400}

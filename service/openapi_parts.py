@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
@@ -82,6 +83,16 @@ def headers() -> Json:
     return {name: {"description": text, "schema": {"type": "string"}} for name, text in told.items()}
 
 
+def problems(codes: Iterable[str]) -> Json:
+    """An example of the problem document of each code; responses refer to them by the code."""
+    examples = {}
+    for code in codes:
+        kind = ERRORS[code]
+        extra: Json = {"problems": EXAMPLE_PROBLEMS} if code == "invalid-domain" else {}
+        examples[code] = {"summary": kind.title, "value": RequestError(code, f"{kind.title}.", extra).document()}
+    return examples
+
+
 def failures(codes: list[str]) -> Json:
     """One response for each status, with an example for each of its codes."""
     responses: Json = {}
@@ -90,9 +101,7 @@ def failures(codes: list[str]) -> Json:
         content = {"schema": reference("ProblemDocument"), "examples": {}}
         response = responses.setdefault(str(kind.status), {"description": "", "content": {MEDIA_TYPE: content}})
         response["description"] = "; ".join(filter(None, (response["description"], f"`{code}`: {kind.title}")))
-        extra: Json = {"problems": EXAMPLE_PROBLEMS} if code == "invalid-domain" else {}
-        example = RequestError(code, f"{kind.title}.", extra).document()
-        response["content"][MEDIA_TYPE]["examples"][code] = {"value": example}
+        response["content"][MEDIA_TYPE]["examples"][code] = {"$ref": f"#/components/examples/{code}"}
         if kind.retry_after_seconds is not None:
             description = "seconds to wait before trying again"
             response["headers"] = {"Retry-After": {"description": description, "schema": {"type": "integer"}}}

@@ -30,7 +30,7 @@ from service.cli import files
 from service.cli.exits import FAILED, OK, SOME_FAILED, USAGE, Failure, tell
 from service.cli.request import additions, header, with_additions
 from service.errors import PROBLEM_LINE
-from service.settings import InvalidSetting, Settings
+from service.settings import InvalidSetting, Settings, variable
 from service.workers.pool import Pool
 
 CHUNK_SECONDS = 0.5
@@ -42,6 +42,10 @@ CHUNK_BYTES = 1 << 20
 
 AHEAD = 4
 """Chunks under way for each worker: while one long domain holds up the order of the output, the other workers go on."""
+
+
+PRIORITY = "low"
+"""Of the workers, unless the settings say otherwise. There are no small requests here for which to take only what is left."""
 
 
 @dataclass(slots=True)
@@ -65,7 +69,7 @@ def batch(asked: argparse.Namespace) -> int:
     """Solve every line of the input that the output does not answer yet."""
     _log_plainly()
     told, members = header(asked, asked.format), additions(asked)
-    settings = _settings(asked)
+    settings = settings_of(asked)
     _spare(asked)
     tally = Tally()
     out = files.LinesOut(asked.output, resume=asked.resume)
@@ -95,10 +99,10 @@ def _log_plainly() -> None:
     logging.basicConfig(level=logging.WARNING, handlers=[handler])
 
 
-def _settings(asked: argparse.Namespace) -> Settings:
+def settings_of(asked: argparse.Namespace) -> Settings:
     """The service's settings, with what the command line says."""
     try:
-        settings = Settings.from_environment()
+        settings = Settings.from_environment({variable("long_priority"): PRIORITY, **os.environ})
     except InvalidSetting as error:
         raise Failure(USAGE, str(error)) from error
     deadline = settings.deadline_seconds if asked.deadline is None else asked.deadline

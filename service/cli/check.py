@@ -12,6 +12,14 @@ from service.cli import files
 from service.cli.exits import INVALID_INPUT, OK, tell
 from service.cli.report import heading, listed
 
+ANSWER = frozenset(("segments", "graph", "certificate"))
+"""Members of an answer of `mat solve`, none of which a domain has."""
+
+AN_ANSWER = (
+    "an answer, not a domain. Answers are checked before they are written, their certificate tells how; to have one checked"
+    " again, solve its domain again"
+)
+
 
 def check(asked: argparse.Namespace) -> int:
     """Look at every file, whatever is wrong with the ones before it."""
@@ -24,6 +32,9 @@ def _check(name: str) -> bool:
     where = files.shown(name, "input")
     try:
         document = _read(files.read(name))
+        if isinstance(document, dict) and document.keys() >= ANSWER:
+            tell(f"{where}: {AN_ANSWER}")
+            return False
         domain = mat_core.Domain.from_dict(document)
     except json.JSONDecodeError as error:
         tell(f"{where}: line {error.lineno}, column {error.colno}: {error.msg} [not-json]")

@@ -68,6 +68,7 @@ class Work:
         chunk = await self._calls.insist(self.store.chunk, job_id, number)
         try:
             if chunk.result is None:
+                _log.debug("chunk %d of job %s is begun", number, job_id)
                 await self._finish_chunk(self.store, job, chunk)
             await self._finish_job(self.store, job)
         except RequestError as error:

@@ -64,7 +64,11 @@ class Channel(asyncio.Protocol):
 
     async def send(self, header: wire.Header, body: bytes) -> None:
         """Send one message, at the pace of the worker; that it has ended is found by `receive`."""
-        self._write(wire.pack(header, len(body)))
+        head = wire.pack(header, len(body))
+        if len(body) <= wire.JOINED_BYTES:
+            self._write(head + body)
+            return
+        self._write(head)
         with memoryview(body) as view:
             for begin in range(0, len(body), PIECE_BYTES):
                 if self._room is not None:

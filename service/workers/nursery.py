@@ -47,6 +47,9 @@ def main() -> None:
     """Load the handler, say so, then serve commands until the control stream ends."""
     handler_name, *numbers, long_priority = sys.argv[1:]
     control_fd, event_fd, memory_bytes, parent = map(int, numbers)
+    # Ctrl-C on a terminal is for the web process to handle. A session of its own would do that for this one, too, but Linux may
+    # divide processors by sessions first (autogroups): then priorities of workers would not count against the web process.
+    os.setpgid(0, 0)
     faulthandler.enable()
     logs.install((os.environ.get("MAT_LOG_LEVEL") or "info").strip())
     die_with_parent(parent)
@@ -120,7 +123,8 @@ class Nursery:
         elif worker in self._pids and command == KILL:
             os.kill(self._pids[worker], signal.SIGKILL)
         elif worker in self._pids and command == LOWER:
-            give_way(self._pids[worker], self._long_priority)
+            with contextlib.suppress(ProcessLookupError):  # it has just ended
+                give_way(self._pids[worker], self._long_priority)
         return True
 
     def _spawn(self, worker: int, descriptor: int) -> None:

@@ -54,9 +54,6 @@ class NurseryLink:
                     stderr=asyncio.subprocess.PIPE,
                     pass_fds=(its_control.fileno(), event_write),
                     env=_environment(),
-                    # Ctrl-C on a terminal is for the web process to handle. A session of its own would do that, too, but Linux
-                    # may divide processors by sessions first (autogroups): priorities of workers would not count against us.
-                    process_group=0,
                 )
             assert process.stderr is not None
             printed = asyncio.create_task(logs.forward(process.stderr))

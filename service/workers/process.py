@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import os
 import resource
@@ -36,12 +37,14 @@ def give_way(process: int, how: str) -> None:
     process : int
         Its id.
     how : str
-        idle: it gets what the others leave, and steps aside the moment that one of them wakes up (elsewhere than on Linux: low);
-        low: a tenth of a processor that another one wants, too; normal: it stays what it is.
+        idle: it gets what the others leave, and steps aside the moment that one of them wakes up (low, where there is no such
+        thing or a sandbox forbids it); low: a tenth of a processor that another one wants, too; normal: it stays what it is.
     """
     if how == "idle" and sys.platform == "linux":
-        os.sched_setscheduler(process, os.SCHED_IDLE, os.sched_param(0))
-    elif how != "normal":
+        with contextlib.suppress(PermissionError):
+            os.sched_setscheduler(process, os.SCHED_IDLE, os.sched_param(0))
+            return
+    if how != "normal":
         os.setpriority(os.PRIO_PROCESS, process, LOW_PRIORITY)
 
 

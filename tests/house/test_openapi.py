@@ -40,15 +40,8 @@ def references(node: Any) -> Iterator[str]:
 
 def test_it_is_version_3_1_and_every_reference_resolves() -> None:
     assert DOCUMENT["openapi"].startswith("3.1")
-    used = set(references(DOCUMENT))
-    assert used == {f"#/components/schemas/{name}" for name in DOCUMENT["components"]["schemas"]} - unused_roots(used)
-
-
-def unused_roots(used: set[str]) -> set[str]:
-    """Schemas that nothing refers to; there should be none."""
-    roots = {f"#/components/schemas/{name}" for name in DOCUMENT["components"]["schemas"]} - used
-    assert not roots
-    return roots
+    there = {f"#/components/{part}/{name}" for part in ("schemas", "examples") for name in DOCUMENT["components"][part]}
+    assert set(references(DOCUMENT)) == there
 
 
 def test_every_error_is_described_as_a_problem_document() -> None:
@@ -60,8 +53,10 @@ def test_every_error_is_described_as_a_problem_document() -> None:
                 kind = ERRORS[code]
                 response = operation["responses"][str(kind.status)]
                 assert list(response["content"]) == [MEDIA_TYPE]
-                assert response["content"][MEDIA_TYPE]["examples"][code]["value"]["code"] == code
+                assert response["content"][MEDIA_TYPE]["examples"][code] == {"$ref": f"#/components/examples/{code}"}
                 assert ("headers" in response) == (kind.status in (429, 503))
+    examples = DOCUMENT["components"]["examples"]
+    assert all(example["value"]["code"] == code for code, example in examples.items())
     assert set(OWN_CODES) <= set(DOCUMENT["paths"])
     assert {code for path in DOCUMENT["paths"] for code in codes_of(path)} | {"method-not-allowed"} == set(ERRORS)
 

@@ -19,6 +19,7 @@ an answer, a lost job, a process that stayed behind, an answer that came too lat
     deadlines   work that takes longer than it may
     faults      workers killed, memory hogs, slow clients, clients that leave, bodies that are cut off
     batch       domains by the thousand: bare processes, the pool, and over HTTP
+    resumed     a batch whose server is killed on the way, and what of it is computed again
     dismissed   running jobs dismissed: how soon their processors are free
     killed      the server killed again and again with jobs in flight
     database    PostgreSQL stopped for ten seconds with jobs in flight, where it is installed

@@ -11,7 +11,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from pathlib import Path
 
-from tests.load.batch import batch
+from tests.load.batch import batch, resumed
 from tests.load.calm import beside_huge, calm, deadlines, overload
 from tests.load.durability import database, disk, dismissed, killed
 from tests.load.faults import faults
@@ -25,6 +25,7 @@ PARTS: dict[str, Callable[[Scale, Report], Awaitable[None]]] = {
     "deadlines": deadlines,
     "faults": faults,
     "batch": batch,
+    "resumed": resumed,
     "dismissed": dismissed,
     "killed": killed,
     "database": database,

@@ -50,6 +50,10 @@ class Server:
         with self._log.open("ab") as log:
             return subprocess.Popen([*COMMAND, *where], cwd=ROOT, env={**os.environ, **self._environment}, stderr=log)
 
+    def log(self) -> str:
+        """What it has said."""
+        return self._log.read_text(encoding="utf-8")
+
     def kill(self) -> None:
         """As the kernel would: nothing is said to anybody."""
         self.workers()

@@ -28,8 +28,8 @@ def handle(header: dict[str, Any], body: bytes, report: Any = None) -> tuple[dic
     if report is not None:
         report("working", 0.25)
         report("finishing", 0.75)
-    about = {"timings": {"solve": 0.0}, "pid": os.getpid(), "scheduling": scheduling()}
-    return about | ACTIONS[order["do"]](order, body)[0], body
+    (answer,) = ACTIONS[order["do"]](order, body)
+    return {"timings": {"solve": 0.0}, "pid": os.getpid(), "scheduling": scheduling(), **answer}, body
 
 
 def handle_lines(header: dict[str, Any], body: bytes, send: Callable[[bytes], None]) -> dict[str, Any]:

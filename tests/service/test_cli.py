@@ -20,7 +20,8 @@ import pytest
 
 import mat_core
 from service.cli import EXTRA, main
-from service.cli.arguments import FORMATS, parser
+from service.cli.arguments import FORMATS, parse, parser
+from service.cli.batch import settings_of
 from service.cli.exits import BROKEN_PIPE, EXITS, FAILED, INVALID_INPUT, NOT_CERTIFIED, OF_CODE, OK, SOME_FAILED, USAGE
 from service.cli.serve import listen
 from service.errors import ERRORS
@@ -226,6 +227,25 @@ def test_all_problems_of_all_files_are_told(tmp_path: Path, capsys: pytest.Captu
     assert "line 1, column 1" in told.err
     assert "at (1, 1): " in told.err
     assert "plate.json: valid" in told.out
+
+
+def test_an_answer_is_told_from_a_domain(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    answer = tmp_path / "answer.json"
+    assert main(["solve", str(PLATE), "-o", str(answer)]) == OK
+    assert main(["check", str(answer)]) == INVALID_INPUT
+    assert "an answer, not a domain" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("given", "expected"), [({}, "low"), ({"MAT_LONG_PRIORITY": "idle"}, "idle")])
+def test_a_batch_s_workers_have_a_low_priority_unless_told_otherwise(
+    monkeypatch: pytest.MonkeyPatch, given: dict[str, str], expected: str
+) -> None:
+    monkeypatch.delenv("MAT_LONG_PRIORITY", raising=False)
+    for name, value in given.items():
+        monkeypatch.setenv(name, value)
+    asked = parse(["batch", "in.jsonl", "out.jsonl", "--workers", "3"])
+    settings = settings_of(asked)
+    assert (settings.long_priority, settings.workers) == (expected, 3)
 
 
 def test_a_check_reads_what_a_solver_reads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,7 +12,7 @@ import pytest
 from service.settings import MIB
 from service.workers.lanes import LARGE_BODY_BYTES
 from service.workers.pool import DeadlineExceeded, Pool, QueueFull, Reply, WorkerCrashed
-from service.workers.process import LOW_PRIORITY
+from service.workers.process import LOW_PRIORITY, give_way
 from tests.service.handlers import scheduling
 from tests.service.processes import alive, descendants, status
 from tests.service.workers.scenarios import eventually_in_loop, order, pid_of, with_pool
@@ -246,6 +246,27 @@ def test_jobs_take_every_worker_but_one_for_small_requests_and_give_way_to_them(
         assert (await pool.solve({}, order("echo"))).header["scheduling"] == usual
 
     with_pool(scenario, long_priority=priority)
+
+
+def test_workers_are_in_this_session_where_priorities_count_and_out_of_the_terminal_s_reach() -> None:
+    async def scenario(pool: Pool) -> None:
+        worker = await pid_of(pool)
+        assert os.getsid(worker) == os.getsid(0)
+        assert os.getpgid(worker) != os.getpgid(0)
+
+    with_pool(scenario, workers=1)
+
+
+@pytest.mark.parametrize("how", ["idle", "low", "normal"])
+def test_who_gives_way_where_the_sandbox_forbids_to_be_idle(monkeypatch: pytest.MonkeyPatch, how: str) -> None:
+    def forbidden(*_: object) -> None:
+        raise PermissionError
+
+    lowered: list[int] = []
+    monkeypatch.setattr(os, "sched_setscheduler", forbidden)
+    monkeypatch.setattr(os, "setpriority", lambda _which, process, _priority: lowered.append(process))
+    give_way(42, how)
+    assert lowered == ([] if how == "normal" else [42])
 
 
 def test_a_job_s_deadline_begins_when_a_worker_takes_it() -> None:
