@@ -94,7 +94,10 @@ def _fit_part(table: SiteTable, disc: Floats, s: _Strips, part: Bounds, toleranc
     if count <= NO_FIT:
         return int(NO_FIT - count)
     rows, parts = piece_i[count, P_ROW], piece_i[count, P_PART]
-    return Pieces(first, piece_i[: count + 1], piece_f[:count], piece_cp[:rows], part_i[:parts], part_f[:parts])
+    made = Pieces(first, piece_i[: count + 1], piece_f[:count], piece_cp[:rows], part_i[:parts], part_f[:parts])
+    # copies of what waits for the other parts, for the room is many times as large
+    return made if end - begin == len(s.joined) else Pieces(first, made.piece_i.copy(), made.piece_f.copy(),
+                                                            made.piece_cp.copy(), made.part_i.copy(), made.part_f.copy())
 
 
 def _gathered(made: list[Pieces]) -> Pieces:
