@@ -50,7 +50,15 @@ def _fit_part(track: Track, part: Bounds, tolerance: float, degree: int) -> tupl
         room *= 4
         made = new_pieces(room, end - begin)
         count = fit_strips(track, scratch, made, tolerance, degree, begin, end)
-    return made, count
+    alone = end - begin == len(track.joined)
+    return made if alone or count < 0 else _used(made, count), count
+
+
+def _used(p: Pieces, count: int) -> Pieces:
+    """A copy of the filled rows, for a part that waits for the others: its room is many times as large."""
+    rows, parts = p.piece_i[count, P_ROW], p.piece_i[count, P_PART]
+    return Pieces(p.first, p.piece_i[: count + 1].copy(), p.piece_f[:count].copy(), p.cp[:rows].copy(),
+                  p.part_i[:parts].copy(), p.part_f[:parts].copy())  # fmt: skip
 
 
 def _gathered(made: list[tuple[Pieces, int]]) -> tuple[Pieces, int]:

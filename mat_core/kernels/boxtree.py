@@ -329,9 +329,10 @@ def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
     cx = px + r * nx
     cy = py + r * ny
     # shrink the disc first, as one that reaches across the domain meets boundary everywhere: by what stands near p in the tree,
-    # then by what is near its centre
+    # then by what is near its centre; where nothing is that the hint did not meet before, by nothing
     n = si.shape[0]
-    v = tree.leaf[i] if n > IN_LOOP_ORDER else 1
+    climbs = n > IN_LOOP_ORDER
+    v = tree.leaf[i] if climbs and best_j < 0 else 1
     steps = 0
     while steps < GREEDY_STEPS:
         climbing = v > 1
@@ -352,6 +353,8 @@ def query(si, sf, cp, tree, stack, i, s, nx, ny, skip, hint, k_low):
             if climbing:
                 continue
             break
+        if climbs and steps == 1 and not climbing:
+            v = tree.leaf[i]
         best = phi
         best_j = j
         best_s = sj

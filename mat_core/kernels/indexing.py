@@ -1,7 +1,7 @@
 """How kernels reach an item of an array: in the few instructions that it takes.
 
-Numba unpacks the whole description of an array at each access, fifty instructions that the optimiser takes out again. Kernels know
-contiguous arrays and one whole number for each axis only; that is two of the description's fields, a multiplication, an addition.
+Numba unpacks the whole description of an array at each access, dozens of instructions that the optimiser takes out again. Kernels
+know contiguous arrays only, and one whole number for each axis: that needs the address and a length, two fields of it.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def item_access(context: Any, function: Any, signature: Any) -> Access | None:
     array, index, *_ = signature.args
     if not isinstance(array, types.Array) or array.layout != "C":
         return None
-    axes = tuple(index) if isinstance(index, types.BaseTuple) else (index,)
+    axes = tuple(index) if isinstance(index, (types.UniTuple, types.Tuple)) else (index,)
     if len(axes) != array.ndim or not all(isinstance(axis, types.Integer) for axis in axes):
         return None
 

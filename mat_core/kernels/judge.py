@@ -114,7 +114,12 @@ def foot(si, sf, cp, i, lo, hi, x, y, guess):
         lx = sf[i, X1] - sf[i, X0]
         ly = sf[i, Y1] - sf[i, Y0]
         s = ((x - sf[i, X0]) * lx + (y - sf[i, Y0]) * ly) / (lx * lx + ly * ly)
-    elif kind == ARC:
+        s = lo if s < lo else (hi if s > hi else s)
+        # from the nearer end, which keeps the digits
+        dx = (sf[i, X0] - x) + s * lx if s <= 0.5 else (sf[i, X1] - x) - (1.0 - s) * lx
+        dy = (sf[i, Y0] - y) + s * ly if s <= 0.5 else (sf[i, Y1] - y) - (1.0 - s) * ly
+        return math.sqrt(dx * dx + dy * dy), s
+    if kind == ARC:
         k = sf[i, K0]
         vx = k * (x - sf[i, X0]) + sf[i, TY0]
         vy = k * (y - sf[i, Y0]) - sf[i, TX0]
@@ -341,6 +346,10 @@ def distance_from(si, sf, cp, i, lo, hi, guess, x, y, r, granted):
     A local foot elsewhere is not believed before others were tried, unless it is as near as is granted; `guess` is the parameter
     to begin at.
     """
+    if si[i, KIND] == FAN:  # one point, wherever its foot is said to be
+        dx = x - sf[i, X0]
+        dy = y - sf[i, Y0]
+        return abs(math.sqrt(dx * dx + dy * dy) - r), guess
     best = math.inf
     best_s = guess
     for attempt in range(RETRIES):

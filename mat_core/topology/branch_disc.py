@@ -103,7 +103,7 @@ def partner_change(si, sf, cp, site, lo, hi, w_i, w_f, left, right, tie):
     at = s
     least = math.inf
     phi = s_left = s_right = 0.0
-    for step in range(ROOT_STEPS):
+    for _ in range(ROOT_STEPS):
         f, value, sl, sr = _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie)
         if abs(f) < least:
             least = abs(f)

@@ -176,7 +176,8 @@ def joint_discs(si, sf, cp, tree, stack, tie, disc, kind, winner, winner_s, firs
         disc[j, 2] = r
         if status != OK:
             return status, j
-        hint = winner[j] if kind[j] == THROUGH else -1
+        if kind[j] == THROUGH:
+            hint = winner[j]
     return OK, -1
 
 

@@ -161,6 +161,9 @@ def solve_all(t: SiteTable, tree: Tree, f: Found, tie: float, threads: int) -> t
         return task.run(LINK | SOLVE, expected, room, f.discs, n, len(disc))
     room = room._replace(face_start=_numbers(n + 1), stack_i=_rows_i(n, 2), stack_f=np.empty((n, 2)))
     known, faces = task.run(LINK, expected, room, f.discs, n, len(disc))
+    nothing = _numbers(0)  # what tied the arcs to faces has done its work
+    task = task._replace(links=Links(nothing, nothing, nothing, nothing), order=nothing)
+    del links
     begins = room.face_start[:faces]
     return _gathered(known, each(lambda part: _solve_part(task, room, faces, part), cut_between(begins, n), threads)), faces
 
