@@ -40,6 +40,7 @@ def pages() -> list[Path]:
 def run(page: Path, folder: Path) -> Ran:
     """Run a page in a folder, which gets its files."""
     (folder / "openapi").symlink_to(ROOT / "openapi")
+    (folder / "tests").symlink_to(ROOT / "tests")
     names: dict[str, Any] = {"__name__": page.stem}
     after, printed, told = [], [], []
     text = page.read_text(encoding="utf-8")

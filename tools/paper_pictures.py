@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from mat_core import Domain, MatError
 from mat_core.boundary.sites import SiteTable, build_sites
+from mat_core.formats.svg import outline_path
+from mat_core.formats.svg_paths import Frame
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.layout import VERTEX_LEAF
 from mat_core.tolerances import LADDER
@@ -21,8 +23,6 @@ from mat_core.tracing.march.walk import March
 Floats = NDArray[np.float64]
 
 WIDTH = 420
-MARGIN = 10.0
-BOUNDARY_CHORDS = 48
 SMOOTH_ANGLE = 1e-6
 CLOSEST = 0.004  # points of a drawn trace, relative to the size: of finer ones only so many are drawn
 CHORDS = 0.03  # between drawn pairs of footpoints, relative to the size
@@ -98,21 +98,12 @@ def _to_input(t: SiteTable, points: Floats) -> Floats:
 
 def picture(domain: Domain, trace: Trace, dots: bool = False) -> str:
     """The march as an SVG document; with `dots` every traced point."""
-    xmin, ymin, xmax, ymax = domain.bbox
-    scale = (WIDTH - 2 * MARGIN) / max(xmax - xmin, ymax - ymin)
+    frame = Frame(domain.bbox, WIDTH)
 
     def path(points: Floats) -> str:
-        x = (points[:, 0] - xmin) * scale + MARGIN
-        y = (ymax - points[:, 1]) * scale + MARGIN
-        return "M" + " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
+        return "M" + " ".join(f"{x:.1f},{y:.1f}" for x, y in frame.points(points).tolist())
 
-    u = np.linspace(0.0, 1.0, BOUNDARY_CHORDS + 1)
-    outline = ""
-    for loop in (domain.outer, *domain.holes):
-        parts = [edge.evaluate(edge.knots[0] + u * (edge.knots[-1] - edge.knots[0])) for edge in loop]
-        outline += path(np.concatenate(parts)) + "Z"
-    width = (xmax - xmin) * scale + 2 * MARGIN
-    height = (ymax - ymin) * scale + 2 * MARGIN
+    outline = outline_path(domain, frame)
     body = [f'<path class="fill" d="{outline}"/>']
     for points, feet in zip(trace.points, trace.feet, strict=True):
         for k in _spread(points, CHORDS * domain.size)[1:-1]:
@@ -128,7 +119,7 @@ def picture(domain: Domain, trace: Trace, dots: bool = False) -> str:
     if place is not None:
         x, y = path(np.array([place]))[1:].split(",")
         body.append(f'<circle class="lost" cx="{x}" cy="{y}" r="9"/>')
-    w, h = f"{width:.0f}", f"{height:.0f}"
+    w, h = f"{frame.width:.0f}", f"{frame.height:.0f}"
     head = f'<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}">'
     return "\n".join([head, f"<style>{_STYLE}</style>", *body, "</svg>"]) + "\n"
 

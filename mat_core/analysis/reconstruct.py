@@ -118,10 +118,12 @@ def reconstruct(axis: MedialAxis) -> Reconstruction:
     Raises
     ------
     NotCertified
-        The sides do not close to one outer loop and holes (a defect of the axis).
+        The sides do not close to one outer loop and holes: a defect of the axis, or one whose errors are as large as a hole.
 
     Notes
     -----
+    A loop does not cross itself but where two walls are nearer to each other than the errors of the axis.
+
     H. Blum, "A transformation for extracting new descriptors of shape" (1967): axis and radius determine the shape.
     """
     table = axis.table

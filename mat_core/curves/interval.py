@@ -1,19 +1,4 @@
-r"""One polynomial over one interval of the axis, and a bound of its distance from the axis.
-
-An interval runs from disc P to disc Q in the space of (x, y, r). Its parameter is the share of the way along the chord,
-
-    tau(X) = (X - P).(Q - P) / |Q - P|^2,
-
-in which the axis is a regular, smooth curve everywhere: also at a centre of curvature, where both footpoints run into
-each other and every boundary parameter u gives tau ~ (u - u*)^2, and where a Bezier's own speed is zero. The true
-axis is sampled through a footpoint s on one side; each sample brings its own tau, so no equation tau(s) = const has
-to be solved.
-
-    F(tau) = H(tau) + tau^2 (1 - tau)^2 g(tau)         H: cubic with the exact discs and exact tangents at both ends
-                                                       g: through samples at m nodes; degree of F: m + 3
-    tangent at a disc with normals n1 (right), n2 (left): t = (n1 - n2) turned by -90 degrees, dr = t.n1; at a centre of
-    curvature (n, 1): the disc moves straight away from its only contact. Tangents know nothing of curvature, so pieces
-    join with one tangent.
+r"""A bound of the distance of a polynomial (`polynomial`) from the axis, over its interval.
 
         check  node  check  node  check        The nodes make |W|, below, equally large at all checks, which so see
       P-c-+-----o-----+-----o-----+-c-Q        the largest error. Two more checks c stand nearer to P and Q.
@@ -33,8 +18,10 @@ taken from the middle outwards in pairs, and |.| the norm |(x, y)| + |r|.
    q = D_K / D_{K-2}:    |W (h - p_K)| <= D_K (q + q^2 + ...) = D_K q / (1 - q).
    q is kept between FAST, what is less may be chance, and SLOW: where corrections are not seen to fall (rounding, a joint
    of the boundary that shows), those to come are taken for nine times the last one in all.
-3. Discs between the strips of an interval are known exactly, and no check stands there. A bound that is less than what F misses
-   one of them by rests on a wrong assumption; it is not believed (`refuted`).
+3. The assumption is tested on every piece. At two more true axis points, near either end where W prod (tau - checks) is large,
+   F - X is known: there W (h - p_K) may be no more than 2. allows. Discs between the strips of an interval are known exactly,
+   and no check stands there, either: F may miss none by more than the bound. A bound that fails a test is not believed, and
+   the piece is made shorter.
 
 The norm bounds both the distance in (x, y, r) and | |distance of (x, y) to the boundary| - r |: the boundary's distance
 changes by no more than the centre moves. Rounding is added where pieces become segments (`assemble`).
@@ -45,12 +32,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mat_core.curves.way import I_ROW, I_TX, I_X, PLAN_S0, PLAN_S1, PLAN_T, Scratch, Track, sample, sample_at
+from mat_core.curves.polynomial import divide, hermite_of, interpolate, miss, weight_of
+from mat_core.curves.way import I_ROW, PLAN_S0, PLAN_S1, PLAN_T, SPARE_MISS, Scratch, Track, sample, sample_at
 from mat_core.kernels.jit import inner
-
-Floats = NDArray[np.float64]
 
 # abscissae of checks (even) and nodes (odd) up to the middle, for 2, 4 and 6 nodes: |W| is equally large at all checks
 FRACTIONS = (0.182223, 0.337294, 0.5,
@@ -61,9 +46,10 @@ CHASE = 4  # samples to bring such a check within NEAR_ENOUGH of its abscissa
 NEAR_ENOUGH = 0.04
 MIN_GAP = 0.02  # least distance of neighbouring abscissae; below, the interpolation would be ill-conditioned
 MARGIN = 0.15  # least distance of a check from what stands beside it, relative to the distance of these; nearer, W vanishes
-MIN_COSINE = 0.4  # of the angle between an end tangent and the chord; a piece that turns more is halved
 
 CHEBYSHEV = 0.5 - 0.5 * np.cos(np.pi * (np.arange(48) + 0.5) / 48.0)  # on [0, 1]
+TESTED = 1.45  # abscissa of the places where the assumption is tested, relative to the outermost check's
+DOUBTED = 2.0  # times the tolerance: the error of a piece whose bound fails a test, as far as it decides where to end it
 FAST, SLOW = 0.1, 0.9  # range of the ratio of successive corrections
 AXIS_ROUNDING = 1e-13  # of axis points (normalised); measured: 5e-14, where both sides have nearly one normal
 
@@ -76,103 +62,22 @@ def _fraction(m: int, k: int) -> float:
 
 
 @inner
-def _hermite(ends: Floats, out: Floats) -> bool:
-    """Bernstein coefficients (4, 3) of the cubic H over tau; False when an end tangent leans away from the chord."""
-    ux = ends[1, I_X] - ends[0, I_X]
-    uy = ends[1, I_X + 1] - ends[0, I_X + 1]
-    ur = ends[1, I_X + 2] - ends[0, I_X + 2]
-    dd = ux * ux + uy * uy + ur * ur
-    d = math.sqrt(dd)
-    good = True
-    for end in range(2):
-        tx = ends[end, I_TX]
-        ty = ends[end, I_TX + 1]
-        tr = ends[end, I_TX + 2]
-        lean = tx * ux + ty * uy + tr * ur
-        size = math.sqrt(tx * tx + ty * ty + tr * tr)
-        factor = dd / lean / 3.0 if lean > 0.0 else 0.0
-        if not lean >= MIN_COSINE * size * d or size == 0.0:
-            good = False
-        sign = 1.0 if end == 0 else -1.0
-        for m in range(3):
-            p = ends[end, I_X + m]
-            out[3 * end, m] = p
-            out[1 + end, m] = p + sign * factor * ends[end, I_TX + m]
-    return good
-
-
-@inner
-def _cubic(hermite: Floats, t: float, c: int) -> float:
-    """Component c of H at t."""
-    s = 1.0 - t
-    return s * s * (s * hermite[0, c] + 3.0 * t * hermite[1, c]) + t * t * (3.0 * s * hermite[2, c] + t * hermite[3, c])
-
-
-@inner
-def _interpolate(scratch: Scratch, m: int) -> None:
-    """Newton coefficients (m, 3) of g through the nodes."""
-    samples = scratch.samples
-    newton = scratch.newton
-    for i in range(m):
-        t = samples[i, 0]
-        weight = t * t * (1.0 - t) * (1.0 - t)
-        for c in range(3):
-            newton[i, c] = (samples[i, 1 + c] - _cubic(scratch.hermite, t, c)) / weight
-    _divide(samples, newton, 0, m)
-
-
-@inner
-def _divide(samples: Floats, values: Floats, first: int, n: int) -> None:
-    """Divided differences in place: values (n, 3) at the abscissae of the samples from row `first` on."""
-    for level in range(1, n):
-        for i in range(n - 1, level - 1, -1):
-            gap = samples[first + i, 0] - samples[first + i - level, 0]
-            for c in range(3):
-                values[i, c] = (values[i, c] - values[i - 1, c]) / gap
-
-
-@inner
-def _miss(scratch: Scratch, row: int, m: int, k: int) -> float:
-    """Norm of F - X at the sample in one row; the vector goes to row k of `misses`."""
-    samples = scratch.samples
-    newton = scratch.newton
-    out = scratch.misses
-    t = samples[row, 0]
-    weight = t * t * (1.0 - t) * (1.0 - t)
-    for c in range(3):
-        g = newton[m - 1, c]
-        for i in range(m - 2, -1, -1):
-            g = g * (t - samples[i, 0]) + newton[i, c]
-        out[k, c] = _cubic(scratch.hermite, t, c) + weight * g - samples[row, 1 + c]
-    return math.sqrt(out[k, 0] * out[k, 0] + out[k, 1] * out[k, 1]) + abs(out[k, 2])
-
-
-@inner
-def _weight(samples: Floats, m: int, t: float) -> float:
-    """W at t."""
-    w = t * t * (1.0 - t) * (1.0 - t)
-    for i in range(m):
-        w *= t - samples[i, 0]
-    return w
-
-
-@inner
-def _bound(scratch: Scratch, m: int) -> float:
-    """Bound of the norm of F - X from its values `misses` (m + 3, 3) at the checks, as above."""
+def _bound(scratch: Scratch, m: int) -> tuple[float, float]:
+    """(bound of the norm of F - X, bound of what 1. leaves of it) from its values `misses` (m + 3, 3) at the checks."""
     samples = scratch.samples
     misses = scratch.misses
     n = m + 3
     for k in range(n):
-        weight = _weight(samples, m, samples[m + k, 0])
+        weight = weight_of(samples, m, samples[m + k, 0])
         for c in range(3):
             misses[k, c] /= weight
-    _divide(samples, misses, m, n)
+    divide(samples, misses, m, n)
     largest = 0.0
     last = 0.0
     last_but_one = 0.0
     for point in range(CHEBYSHEV.shape[0]):
         t = CHEBYSHEV[point]
-        basis = _weight(samples, m, t)
+        basis = weight_of(samples, m, t)
         x = basis * misses[0, 0]
         y = basis * misses[0, 1]
         r = basis * misses[0, 2]
@@ -194,7 +99,33 @@ def _bound(scratch: Scratch, m: int) -> float:
     last_but_one = max(last_but_one, AXIS_ROUNDING)  # what is less says nothing
     q = min(max(last / last_but_one, FAST), SLOW)
     last = max(last, FAST * last_but_one)
-    return largest / math.cos(math.pi * (m + 3.0) / CHEBYSHEV.shape[0]) + last * q / (1.0 - q)
+    rest = last * q / (1.0 - q)
+    return largest / math.cos(math.pi * (m + 3.0) / CHEBYSHEV.shape[0]) + rest, rest
+
+
+@inner
+def _surprising(track: Track, scratch: Scratch, m: int, end: int, rest: float) -> bool:
+    """Whether a true axis point near an end is farther from F - W p_K than the rest allows.
+
+    Assumes that `misses` are divided differences (`_bound`); writes to the spare row of samples and of `misses`.
+    """
+    spare = 2 * m + 3
+    wanted = TESTED * _fraction(m, 0)
+    sample_at(track, scratch, wanted if end == 0 else 1.0 - wanted, spare)
+    samples = scratch.samples
+    misses = scratch.misses
+    t = samples[spare, 0]
+    if not 0.0 < t < 1.0:
+        return False
+    miss(scratch, spare, m, SPARE_MISS)
+    basis = weight_of(samples, m, t)
+    for k in range(m + 3):
+        for c in range(3):
+            misses[SPARE_MISS, c] -= basis * misses[k, c]
+        basis *= t - samples[m + k, 0]
+    x = misses[SPARE_MISS, 0]
+    y = misses[SPARE_MISS, 1]
+    return math.sqrt(x * x + y * y) + abs(misses[SPARE_MISS, 2]) > rest + AXIS_ROUNDING
 
 
 @inner
@@ -239,12 +170,14 @@ def _well_inside(t: float, before: float, after: float) -> bool:
 
 @inner
 def attempt(track: Track, scratch: Scratch, m: int, tolerance: float) -> float:
-    """Bound of the fit over the interval when it is within the tolerance; else about its error.
+    """Bound of the fit over the interval when it is within the tolerance and passes its tests; else about its error.
+
+    With an infinite tolerance it is the bound of a piece that cannot be shorter, whatever the tests say.
 
     Assumes that the plan is made and runs evenly. Infinite when there is no fit, or samples stand where they tell nothing.
     """
     samples = scratch.samples
-    if not _hermite(scratch.ends, scratch.hermite):
+    if not hermite_of(scratch.ends, scratch.hermite):
         return math.inf
     for i in range(m):
         sample_at(track, scratch, _fraction(m, 2 * i + 1), i)
@@ -252,7 +185,7 @@ def attempt(track: Track, scratch: Scratch, m: int, tolerance: float) -> float:
             return math.inf
     if not 1.0 - samples[m - 1, 0] > MIN_GAP:
         return math.inf
-    _interpolate(scratch, m)
+    interpolate(scratch, m)
     worst = 0.0
     for k in range(m + 1):
         # from the middle outwards, but for the second pair, which stands beside the ends
@@ -265,7 +198,7 @@ def attempt(track: Track, scratch: Scratch, m: int, tolerance: float) -> float:
         after = samples[i, 0] if i < m else 1.0
         if not _well_inside(samples[row, 0], before, after):
             return math.inf
-        worst = max(worst, _miss(scratch, row, m, row - m))
+        worst = max(worst, miss(scratch, row, m, row - m))
         if not worst <= tolerance:
             return worst
     for end in range(2):
@@ -273,10 +206,14 @@ def attempt(track: Track, scratch: Scratch, m: int, tolerance: float) -> float:
         _chase_end(track, scratch, m, end, row)
         if not _well_inside(samples[row, 0], samples[2 * m + 2, 0] if end else 0.0, 1.0 if end else samples[2 * m + 1, 0]):
             return math.inf
-        worst = max(worst, _miss(scratch, row, m, row - m))
+        worst = max(worst, miss(scratch, row, m, row - m))
     if not worst <= tolerance:
         return worst
-    return _bound(scratch, m)
+    bound, rest = _bound(scratch, m)
+    for end in range(2 if tolerance < math.inf else 0):
+        if bound <= tolerance and _surprising(track, scratch, m, end, rest):
+            return DOUBTED * tolerance
+    return bound
 
 
 @inner
@@ -288,6 +225,6 @@ def refuted(track: Track, scratch: Scratch, m: int, bound: float, spare: int) ->
         samples[spare, 0] = scratch.steps[w + 1 - first, PLAN_T]
         for c in range(3):
             samples[spare, 1 + c] = track.disc[track.strip_i[w, 3], c]
-        if _miss(scratch, spare, m, 0) > bound + AXIS_ROUNDING:
+        if miss(scratch, spare, m, 0) > bound + AXIS_ROUNDING:
             return True
     return False

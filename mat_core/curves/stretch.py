@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from mat_core.curves.bezier import LOST, straight, write_fit
 from mat_core.curves.conics import K_FREEFORM
 from mat_core.curves.ends import apart, copy_end, put_disc, put_sample
-from mat_core.curves.interval import attempt, refuted
+from mat_core.curves.interval import DOUBTED, attempt, refuted
 from mat_core.curves.pieces import (
     MAX_PIECES,
     NO_FIT,
@@ -66,7 +66,6 @@ BESIDE = 0.08  # of the wanted length, from a disc between strips: the piece end
 WORTH = 1.15  # times as long: what a longer piece must be hoped to be, to be tried
 TRIES = 2  # longer pieces tried
 MAX_GROWTH = 4.0  # times as long: what an error lets one hope for at most
-DOUBTED = 2.0  # times the tolerance: the error of a piece whose bound is refuted, as far as it decides where to end it
 TOWARDS = 0.75  # most of the way to an end that was too far
 
 

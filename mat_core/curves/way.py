@@ -39,6 +39,7 @@ ROWS = MAX_DEGREE + 1  # control points kept for a piece
 
 # rows of samples: 0 .. m - 1 nodes, from m on m + 1 checks, two more near the ends, one spare
 SAMPLE_ROWS = 2 * (MAX_DEGREE - 3) + 4
+SPARE_MISS = MAX_DEGREE  # row of misses that is no check's
 
 MIN_HALF = 0.02  # tau half way in s, from either end; a sample nearer says little about the other half
 
@@ -66,7 +67,7 @@ class Scratch(NamedTuple):
     samples: Floats  # (SAMPLE_ROWS, SAMPLE_COLUMNS)
     hermite: Floats  # (4, 3) Bernstein coefficients of the cubic H
     newton: Floats  # (MAX_DEGREE, 3) Newton coefficients of g
-    misses: Floats  # (MAX_DEGREE, 3) F - X at the checks, then divided differences of h
+    misses: Floats  # (MAX_DEGREE + 1, 3) F - X at the checks, then divided differences of h; a spare row
     bernstein: Floats  # (ROWS,) of one component of g
     corners: Floats  # (2, 3) both ends of a conic
 
@@ -95,7 +96,7 @@ def new_scratch() -> Scratch:
         np.empty((SAMPLE_ROWS, SAMPLE_COLUMNS)),
         np.empty((4, 3)),
         np.empty((MAX_DEGREE, 3)),
-        np.empty((MAX_DEGREE, 3)),
+        np.empty((MAX_DEGREE + 1, 3)),
         np.empty(ROWS),
         np.empty((2, 3)),
     )
