@@ -1,7 +1,8 @@
 """What a worker does with one request: read the body, build the domain, solve, operate, encode.
 
 The only module of the service, with its `refusals`, that imports mat_core: its public names, the table of operations, the
-formats that show their results, and outlines to rehearse with. Every failure becomes a code of `service.errors`; nothing is raised to the process around it.
+formats that show their results, and outlines to rehearse with. Every failure becomes a code of `service.errors`; nothing is
+raised to the process around it.
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ def preload(progress: Callable[[str, int, int], None]) -> dict[str, str]:
 def rehearse() -> None:
     """Make what a forked process shares its own where every request writes to it.
 
-    The first request of a worker would take 11 ms instead of 5 otherwise (a glyph), and every change of the workers would be felt.
+    The first request of a worker would take 11 ms instead of 5 otherwise (a glyph), and each new worker would be felt.
     """
     handle({"operation": "mat", "format": "json"}, REHEARSAL)
 
