@@ -162,12 +162,14 @@ class Crew:
             self._keep_spare()
 
     def _take_idle(self, lowered: bool, unused: bool) -> Worker | None:
-        """The idle worker that has waited least (its memory is the warmest), if one will do."""
-        for idle in (self._idle_lowered, self._idle) if lowered else (self._idle,):
-            for worker in reversed(idle):
-                if not (unused and worker.used) and not worker.channel.closed:
-                    idle.remove(worker)
-                    return worker
+        """An idle worker, if one will do: the one that has waited least, whose memory is the warmest.
+
+        Long work leaves that to the others: of those that it would lower it takes the one that has waited longest.
+        """
+        for worker in [*reversed(self._idle_lowered), *self._idle] if lowered else [*reversed(self._idle)]:
+            if not (unused and worker.used) and not worker.channel.closed:
+                (self._idle_lowered if worker.lowered else self._idle).remove(worker)
+                return worker
         return None
 
     def _keep_spare(self) -> None:

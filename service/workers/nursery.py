@@ -10,8 +10,9 @@ the threaded web server would be unsafe, forking this single-threaded process is
          ^-----------events: JSON lines (progress, ready, gone)-------------'                      |
          ^-----------one socket a worker, messages of service.workers.wire----------------------------------'
 
-HANDLER is a module with ``preload(progress) -> dict``, called once here; ``handle(header, body, report) -> header, body``,
-called in the worker for each request; and ``handle_lines(header, body, send) -> header``, called for each chunk of a batch.
+HANDLER is a module with ``preload(progress) -> dict``, called once here; ``rehearse()``, called once in each worker, before it
+has anything to do; ``handle(header, body, report) -> header, body``, called for each request; and ``handle_lines(header, body,
+send) -> header``, called for each chunk of a batch.
 Nothing outlives the web process: the end of the control stream ends the nursery, which kills its workers first; and on Linux
 the kernel kills a worker whose nursery has gone.
 """
@@ -152,6 +153,7 @@ class Nursery:
             os.close(self._wake_read)
             os.close(self._wake_write)
             limit_memory(self._memory_bytes)
+            self._handler.rehearse()
             work(self._handler, socket.socket(fileno=descriptor))
         except (BrokenPipeError, ConnectionResetError):
             os._exit(0)

@@ -20,6 +20,10 @@ def preload(progress: Any) -> dict[str, str]:
     return {"service": "test", "algorithm": "test"}
 
 
+def rehearse() -> None:
+    REHEARSED.append(os.getpid())
+
+
 def handle(header: dict[str, Any], body: bytes, report: Any = None) -> tuple[dict[str, Any], bytes]:
     """Do what the body says: ``{"do": name, ...}``."""
     order = json.loads(body[:1000].rstrip(b" "))
@@ -29,7 +33,7 @@ def handle(header: dict[str, Any], body: bytes, report: Any = None) -> tuple[dic
         report("working", 0.25)
         report("finishing", 0.75)
     (answer,) = ACTIONS[order["do"]](order, body)
-    return {"timings": {"solve": 0.0}, "pid": os.getpid(), "scheduling": scheduling(), **answer}, body
+    return {"timings": {"solve": 0.0}, "pid": os.getpid(), "scheduling": scheduling(), "rehearsed": REHEARSED, **answer}, body
 
 
 def handle_lines(header: dict[str, Any], body: bytes, send: Callable[[bytes], None]) -> dict[str, Any]:
@@ -121,6 +125,7 @@ def complain(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
 
 
 KEPT: list[bytearray] = []
+REHEARSED: list[int] = []
 ACTIONS = {
     "again": echo,
     "complain": complain,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 import signal
 import time
@@ -246,6 +247,16 @@ def test_jobs_take_every_worker_but_one_for_small_requests_and_give_way_to_them(
         assert (await pool.solve({}, order("echo"))).header["scheduling"] == usual
 
     with_pool(scenario, long_priority=priority)
+
+
+def test_each_worker_rehearses_once() -> None:
+    async def scenario(pool: Pool) -> None:
+        for do in ("echo", "echo", "crash", "echo"):
+            with contextlib.suppress(WorkerCrashed):
+                header = (await pool.solve({}, order(do))).header
+                assert header["rehearsed"] == [header["pid"]]
+
+    with_pool(scenario, workers=1)
 
 
 def test_workers_are_in_this_session_where_priorities_count_and_out_of_the_terminal_s_reach() -> None:

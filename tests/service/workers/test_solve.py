@@ -23,6 +23,12 @@ def lines(*body: bytes, first: int = 0, **header: Any) -> tuple[list[dict[str, A
     return [json.loads(line) for line in sent], outcome
 
 
+def test_the_rehearsal_is_a_domain_that_is_solved() -> None:
+    outcome, _ = solve.handle(HEADER, solve.REHEARSAL)
+    assert "error" not in outcome
+    solve.rehearse()
+
+
 def test_each_line_is_answered_as_the_body_of_a_request() -> None:
     found, outcome = lines(PLATE, b"", PLATE, b" ")
     _, answer = solve.handle(HEADER, PLATE)
