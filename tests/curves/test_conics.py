@@ -141,7 +141,7 @@ def test_discs_that_leave_a_narrow_neck_are_exact(neck: float) -> None:
 
 @pytest.mark.parametrize("name", ["rectangle", "ell", "stadium", "half_disc", "keyhole", "line_arc", "mixed_holes"])
 def test_edges_given_in_parts_change_no_conic(name: str) -> None:
-    """One quadratic for all strips of two curves: parts may change where a sharp turn is cut, but not add pieces for each joint."""
+    """One quadratic for all strips of two curves: parts may change where a sharp turn is cut, but add no piece for each joint."""
     whole, parts = solved(name), medial_axis(Domain.from_dict(in_parts(shape(name), (0.13, 0.37, 0.5, 0.81))))
     assert len(parts.skeleton.strip_i) > len(whole.skeleton.strip_i)
     assert Counter(s.kind for s in parts.segments) == Counter(s.kind for s in whole.segments)
