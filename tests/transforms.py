@@ -7,7 +7,7 @@ keep every curve the same point by point, up to rounding.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -209,3 +209,17 @@ SAME_PLACE: dict[str, Callable[[Json], Json]] = {
     "raised": raised,
     "holes_turned": holes_turned,
 }
+
+
+def in_parts(domain: Json, shares: Sequence[float]) -> Json:
+    """Every edge given in parts, which end at shares of its range."""
+
+    def cut(edge: Edge) -> list[Edge]:
+        rest, parts, done = edge, [], 0.0
+        for share in shares:
+            first, rest = split(rest, inside(rest, (share - done) / (1.0 - done)))
+            parts.append(first)
+            done = share
+        return [*parts, rest]
+
+    return each_edge({"outer": domain["outer"], "holes": domain.get("holes", [])}, cut)

@@ -132,10 +132,11 @@ def _polar(
 
 @inner
 def _sharpen(
-    px: float, py: float, nx: float, ny: float, kappa: float, sigma: float, qx: float, qy: float, ox: float, oy: float,
-    lam: float, tau: float, p0: Floats, p2: Floats, x: float, y: float, r: float,
+    si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, x: float, y: float, r: float
 ) -> tuple[float, float, float, float]:
     """V = (x, y, r) put right as the pole of the chord, and the middle weight; 0 when there is none."""
+    px, py, nx, ny, kappa, sigma = side_quadric(si, sf, a)
+    qx, qy, ox, oy, lam, tau = side_quadric(si, sf, b)
     a0, b0, c0, d0 = _polar(px, py, nx, ny, kappa, sigma, p0[0], p0[1], p0[2])
     a1, b1, c1, d1 = _polar(qx, qy, ox, oy, lam, tau, p0[0], p0[1], p0[2])
     # the third plane through the side that bends: that of a line is the same everywhere
@@ -164,11 +165,10 @@ def _sharpen(
 
 
 @inner
-def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floats, row: int) -> float:
-    """Write the quadratic from disc p0 to disc p2 to rows row .. row + 2 of `cp` (x, y, r, w); its measured error.
-
-    Assumes, does not check: not both sides are lines, and the curve turns by less than MAX_TURN.
-    """
+def _middle(
+    si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats
+) -> tuple[float, float, float, float, float]:
+    """(e, w, <d, d>) of the quadratic from disc p0 to disc p2 between sites a and b; e = 0 and w = 1 where there is none."""
     px, py, nx, ny, kappa, sigma = side_quadric(si, sf, a)
     qx, qy, ox, oy, lam, tau = side_quadric(si, sf, b)
     mx = 0.5 * (p0[0] + p2[0])
@@ -204,14 +204,54 @@ def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floa
     ey = factor * fy
     er = factor * fr
     ee = ex * ex + ey * ey - er * er
-    w = 1.0
     if dd > 0.0 and dd + ee > 0.0:
-        w = math.sqrt(dd / (dd + ee))
-    else:
-        ex = ey = er = 0.0
+        return ex, ey, er, math.sqrt(dd / (dd + ee)), dd
+    return 0.0, 0.0, 0.0, 1.0, dd
+
+
+@inner
+def _measured(
+    si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, ex: float, ey: float, er: float, weight: float
+) -> float:
+    """How far the quadratic with the middle control point M + e is from touching either site, at most, where it is looked at."""
+    px, py, nx, ny, kappa, sigma = side_quadric(si, sf, a)
+    qx, qy, ox, oy, lam, tau = side_quadric(si, sf, b)
+    error = 0.0
+    for m in range(CHECKS):
+        # a weight above 1 crowds the curve's ends at the ends of t
+        t = (m + 0.5) / CHECKS
+        if t < 0.5:
+            t = t / (t + weight * (1.0 - t))
+        elif t > 0.5:
+            t = weight * t / (weight * t + 1.0 - t)
+        u = (1.0 - t) * (1.0 - t)
+        v = 2.0 * t * (1.0 - t) * weight
+        total = u + v + t * t
+        along = 0.5 * (t * t - u)
+        x = 0.5 * (p0[0] + p2[0]) + (v * ex + along * (p2[0] - p0[0])) / total
+        y = 0.5 * (p0[1] + p2[1]) + (v * ey + along * (p2[1] - p0[1])) / total
+        r = 0.5 * (p0[2] + p2[2]) + (v * er + along * (p2[2] - p0[2])) / total
+        error = max(error, _residual(px, py, nx, ny, kappa, sigma, x, y, r))
+        error = max(error, _residual(qx, qy, ox, oy, lam, tau, x, y, r))
+    # a disc larger than an arc does not touch it from inside: such a curve runs through the arc's centre and back
+    beyond = 0.5 * (p0[2] + p2[2]) + er
+    if kappa > 0.0 and beyond > sigma / kappa > 0.0 or lam > 0.0 and beyond > tau / lam > 0.0:
+        error = max(error, beyond)
+    return error
+
+
+@inner
+def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floats, row: int) -> float:
+    """Write the quadratic from disc p0 to disc p2 to rows row .. row + 2 of `cp` (x, y, r, w); its measured error.
+
+    Assumes, does not check: not both sides are lines, and the curve turns by less than MAX_TURN.
+    """
+    ex, ey, er, w, dd = _middle(si, sf, a, b, p0, p2)
+    long = 0.0
     for m in range(3):
         cp[row, m] = p0[m]
         cp[row + 2, m] = p2[m]
+        long += 0.25 * (p2[m] - p0[m]) * (p2[m] - p0[m])
     cp[row, 3] = 1.0
     cp[row + 2, 3] = 1.0
     best = math.inf
@@ -220,43 +260,24 @@ def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floa
         bulge = 0.0 if attempt == 0 else 1.0
         weight = w if attempt > 0 else 1.0
         if attempt == 2:
-            if not (w > SHARP or dd <= RULING * (dx * dx + dy * dy + dr * dr)):
+            if not (w > SHARP or dd <= RULING * long):
                 break
-            vx = mx + ex
-            vy = my + ey
-            vr = mr + er
+            vx = 0.5 * (p0[0] + p2[0]) + ex
+            vy = 0.5 * (p0[1] + p2[1]) + ey
+            vr = 0.5 * (p0[2] + p2[2]) + er
             for _ in range(2):
-                vx, vy, vr, weight = _sharpen(px, py, nx, ny, kappa, sigma, qx, qy, ox, oy, lam, tau, p0, p2, vx, vy, vr)
+                vx, vy, vr, weight = _sharpen(si, sf, a, b, p0, p2, vx, vy, vr)
             if not weight > 0.0:
                 break
-            ex = vx - mx
-            ey = vy - my
-            er = vr - mr
-        error = 0.0
-        for m in range(CHECKS):
-            # a weight above 1 crowds the curve's ends at the ends of t
-            t = (m + 0.5) / CHECKS
-            if t < 0.5:
-                t = t / (t + weight * (1.0 - t))
-            elif t > 0.5:
-                t = weight * t / (weight * t + 1.0 - t)
-            u = (1.0 - t) * (1.0 - t)
-            v = 2.0 * t * (1.0 - t) * weight
-            total = u + v + t * t
-            x = mx + (v * bulge * ex + (t * t - u) * dx) / total
-            y = my + (v * bulge * ey + (t * t - u) * dy) / total
-            r = mr + (v * bulge * er + (t * t - u) * dr) / total
-            error = max(error, _residual(px, py, nx, ny, kappa, sigma, x, y, r))
-            error = max(error, _residual(qx, qy, ox, oy, lam, tau, x, y, r))
-        # a disc larger than an arc does not touch it from inside: such a curve runs through the arc's centre and back
-        beyond = mr + bulge * er
-        if kappa > 0.0 and beyond > sigma / kappa > 0.0 or lam > 0.0 and beyond > tau / lam > 0.0:
-            error = max(error, beyond)
+            ex = vx - 0.5 * (p0[0] + p2[0])
+            ey = vy - 0.5 * (p0[1] + p2[1])
+            er = vr - 0.5 * (p0[2] + p2[2])
+        error = _measured(si, sf, a, b, p0, p2, bulge * ex, bulge * ey, bulge * er, weight)
         if error < best:
             best = error
-            cp[row + 1, 0] = mx + bulge * ex
-            cp[row + 1, 1] = my + bulge * ey
-            cp[row + 1, 2] = mr + bulge * er
+            cp[row + 1, 0] = 0.5 * (p0[0] + p2[0]) + bulge * ex
+            cp[row + 1, 1] = 0.5 * (p0[1] + p2[1]) + bulge * ey
+            cp[row + 1, 2] = 0.5 * (p0[2] + p2[2]) + bulge * er
             cp[row + 1, 3] = weight
         if best <= EXACT:
             break

@@ -14,7 +14,7 @@ from mat_core.kernels.layout import EDGE, LOOP, SPAN
 from tests.curves.shapes import shape, solved
 from tests.curves.test_bound import outlines
 from tests.families import smooth
-from tests.transforms import each_edge, inside, split
+from tests.transforms import in_parts
 
 Json = dict[str, Any]
 SHAPES = ("ellipse", "ellipse_4", "kidney", "blob", "blob_holes", "heart", "lens_one_edge", "mixed", "spiral")
@@ -57,18 +57,6 @@ def test_one_derivative_at_knots_between_fitted_pieces(name: str, tolerance: flo
             assert np.count_nonzero(s.knots == knot) < s.degree
 
 
-def parts_of(content: Json, shares: Iterable[float]) -> Json:
-    """Every edge given in parts."""
-    def cut(edge: Json) -> list[Json]:
-        rest, parts, done = edge, [], 0.0
-        for share in shares:
-            first, rest = split(rest, inside(rest, (share - done) / (1.0 - done)))
-            parts.append(first)
-            done = share
-        return [*parts, rest]
-    return each_edge({"outer": content["outer"], "holes": content.get("holes", [])}, cut)
-
-
 def passed(axis: MedialAxis) -> int:
     """Discs between two strips that a polynomial passes."""
     c, passed = axis.curves, 0
@@ -83,7 +71,7 @@ def passed(axis: MedialAxis) -> int:
 @pytest.mark.parametrize("name", ["ellipse_4", "kidney", "blob_holes", "parabola_cap", "mixed", "spiral", "heart"])
 def test_edges_given_in_parts_have_as_many_pieces(name: str, tolerance: float) -> None:
     whole = solved(name, tolerance)
-    parts = medial_axis(Domain.from_dict(parts_of(shape(name), (0.13, 0.37, 0.5, 0.81))), tolerance=tolerance)
+    parts = medial_axis(Domain.from_dict(in_parts(shape(name), (0.13, 0.37, 0.5, 0.81))), tolerance=tolerance)
     counts = [sum(len(spans(s)) for s in axis.segments) for axis in (whole, parts)]
     assert len(parts.skeleton.strip_i) > len(whole.skeleton.strip_i)
     assert passed(parts) > passed(whole)
@@ -92,7 +80,7 @@ def test_edges_given_in_parts_have_as_many_pieces(name: str, tolerance: float) -
 
 @pytest.mark.parametrize("off", [1e-12, 1e-9, 1e-7])
 def test_what_only_looks_like_one_curve_is_none(off: float) -> None:
-    content = parts_of(shape("ellipse_4"), (0.5,))
+    content = in_parts(shape("ellipse_4"), (0.5,))
     assert passed(medial_axis(Domain.from_dict(content), tolerance=1e-3)) == 3
     # every joint still is smooth, but one of two edges is another curve by `off`
     for edge in content["outer"][::2]:
