@@ -10,7 +10,7 @@ import argparse
 import os
 import time
 
-os.environ["NUMBA_NUM_THREADS"] = "1"  # one thread for all: set before anything of ours is loaded
+os.environ["MAT_CORE_THREADS"] = "1"  # one thread for all: set before anything of ours is loaded
 os.environ["OMP_NUM_THREADS"] = "1"
 
 from benchmarks import growth

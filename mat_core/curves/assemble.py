@@ -213,10 +213,10 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
         A strip cannot be followed: its discs and its sides do not belong together. Names the place and both sides.
     """
     runs = len(graph.start_node)
-    degree = _degree(tolerance)
     rounding = ROUNDING * (1.0 + float(np.abs(table.origin).max()) * table.scale)
     wanted = max(tolerance - rounding - AXIS_ROUNDING, LEAST_SHARE * tolerance)
-    pieces, count = fit_all(table, skeleton, graph, wanted, degree, threads)
+    pieces, count = fit_all(table, skeleton, graph, wanted, _degree(tolerance), threads)
+    degree = int(pieces.piece_i[:count, P_DEGREE].max(initial=1))
     parts = int(pieces.piece_i[count, P_PART])
     out = CurveTable(
         np.empty(runs, dtype=np.int64), np.empty(runs, dtype=np.int64),

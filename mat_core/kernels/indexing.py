@@ -12,6 +12,9 @@ from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils, config, types
+from numba.core.types.containers import BaseTuple
+from numba.core.types.npytypes import Array
+from numba.core.types.scalars import Integer
 from numba.np.arrayobj import load_item, store_item
 
 _DATA, _SHAPE = 4, 5  # fields of an array's description, see Numba's ArrayModel
@@ -28,10 +31,10 @@ def item_access(context: Any, function: Any, signature: Any) -> Access | None:
     if operation not in (operator.getitem, operator.setitem) or config.BOUNDSCHECK:
         return None
     array, index, *_ = signature.args
-    if not isinstance(array, types.Array) or array.layout != "C":
+    if not isinstance(array, Array) or array.layout != "C":
         return None
-    axes = tuple(index) if isinstance(index, (types.UniTuple, types.Tuple)) else (index,)
-    if len(axes) != array.ndim or not all(isinstance(axis, types.Integer) for axis in axes):
+    axes = tuple(index) if isinstance(index, BaseTuple) else (index,)
+    if len(axes) != array.ndim or not all(isinstance(axis, Integer) for axis in axes):
         return None
 
     def read(builder: Any, values: Any, loc: object = None) -> Any:

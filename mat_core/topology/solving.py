@@ -165,7 +165,8 @@ def solve_all(t: SiteTable, tree: Tree, f: Found, tie: float, threads: int) -> t
     task = task._replace(links=Links(nothing, nothing, nothing, nothing), order=nothing)
     del links
     begins = room.face_start[:faces]
-    return _gathered(known, each(lambda part: _solve_part(task, room, faces, part), cut_between(begins, n), threads)), faces
+    made = each(lambda part: _solve_part(task, room, faces, part), cut_between(begins, n), threads)
+    return _gathered(known, made), faces
 
 
 def _solve_part(task: _Task, room: FaceRoom, faces: int, part: Bounds) -> tuple[int, Solved]:
