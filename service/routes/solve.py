@@ -145,6 +145,8 @@ async def _looked_at(request: Request, order: Order, body: bytes) -> Order:
         if execute or error.code not in BUSY:
             raise
         return order
+    if not execute:
+        return order
     form: Format = "json" if reply.header["whole"] else reply.header["format"]
     return Order(order.operation, form, order.options)
 
