@@ -89,6 +89,8 @@ from mat_core.tolerances import Tolerances
 
 KINK = 32.0  # roundings by which a joint may turn, radians, without anything being meant by it
 BENT_BACK = 1e-9  # radians by which a reflex joint may turn and be smooth: no branch runs into it, so nothing is gained by more
+SLIGHT_BEND = 0.01  # of a convex joint over the length of a piece beside it: no disc is bent so little by a hundred times
+UNCERTAIN = 2.0  # roundings over its length by which the tangent of a piece may be wrong
 SAME_CURVATURE = 1e-12  # relative difference of the curvatures at both ends of a spiral below which it may be a circular arc
 FROM_CIRCLE = 1e-16  # distance from that arc, normalised, which is rounding
 
@@ -284,6 +286,17 @@ def _fill_fan(site, before, after, turn, si, sf):
 
 
 @inner
+def _smooth_limit(sf, before, after, smooth_angle, rounding):
+    """The angle up to which the convex joint of two pieces is smooth.
+
+    Two tiny pieces that meet at a convex angle may be how a curve bends: a disc at one joint would touch what lies beyond the
+    next one, as if there were no corner between. So the angle has to be small for the length of both, or their rounding.
+    """
+    length = min(sf[before, LEN], sf[after, LEN])
+    return min(smooth_angle, max(SLIGHT_BEND * length, UNCERTAIN * rounding / length))
+
+
+@inner
 def _move_site(source, target, si, sf):
     """Copy one row of the table."""
     for column in range(SI_WIDTH):
@@ -299,11 +312,11 @@ def _is_peak(sf, a, b):
 
 
 @jit
-def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back, si, sf, turns, loop_start):
+def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back, rounding, si, sf, turns, loop_start):
     """Step 3: all loops. `si`, `sf` have room for twice the pieces; returns the number of sites.
 
-    A convex joint that turns by no more than `smooth_angle` is smooth, a reflex one by no more than `bent_back`: a fan has all of
-    its normals, and the disc of their mean would be off by radius times angle. But for one leaf a fan would make two.
+    A convex joint that turns by no more than `_smooth_limit` is smooth, a reflex one by no more than `bent_back`: a fan has all
+    of its normals, and the disc of their mean would be off by radius times angle. But for one leaf a fan would make two.
     """
     count = 0
     loop_start[0] = 0
@@ -328,7 +341,7 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_bac
                     turn = turn if turn > 0.0 else turn + 2.0 * math.pi
                 else:
                     turn = turn if turn < 0.0 else turn - 2.0 * math.pi
-            elif -bent <= turn <= smooth_angle or (same_bezier and abs(turn) < 0.1):
+            elif -bent <= turn <= _smooth_limit(sf, a, b, smooth_angle, rounding) or (same_bezier and abs(turn) < 0.1):
                 turn = 0.0
             # a curvature that grows without bound towards its end is a leaf of radius 0 there, like a convex corner
             if turn > 0.0 or sf[b, K0] == math.inf or (turn == 0.0 and sf[a, K1] == math.inf):
@@ -418,5 +431,6 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     turns = np.empty(n_pieces)
     loop_start = np.empty(len(a.loop_start), dtype=np.int64)
     bent_back = min(smooth_angle, max(BENT_BACK, KINK * rounding))
-    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, bent_back, si, sf, turns, loop_start)
+    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, bent_back, rounding, si, sf, turns,
+                    loop_start)
     return SiteTable(si[:n], sf[:n], grown[:rows], loop_start, origin, scale, smooth_angle)

@@ -47,6 +47,7 @@ CONCENTRIC = 1e-6  # a centre this near to that of curvature, relative to its ra
 FOOT_STEPS = 40
 POLISH_STEPS = 6
 STEEP = 0.01  # radii between two contacts, within which phi of one seen from the other loses digits
+PHI_NOISE = 2e-15  # of phi at a contact across the disc, relative, for a disc of radius 1: eight roundings of a coordinate
 BESIDE = 1e-4  # radii between a contact and an end of a site, within which the two look alike from afar
 LEVER = 1e4  # a step this many times what it mends goes where two contacts that nearly are one leave the disc free
 SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
@@ -160,6 +161,20 @@ def _apart_sq(si, sf, cp, i, s, j, sj):
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, i, s, 0.0, 0.0)
     qx, qy, tx, ty, k, speed = evaluate(si, sf, cp, j, sj, px, py)
     return qx * qx + qy * qy
+
+
+@inner
+def tie_beside(si, sf, cp, site, s, w_i, left, sl, right, sr, arc, sj, phi, tie):
+    """The relative difference of phi up to which `arc`, touched at sj, ties with the contacts at s on a site, left and right.
+
+    Two contacts at an angle theta around the centre differ by theta x / r in phi when it moves by x along them: those of a corner
+    of 1e-6 rad tie within 1e-11 wherever the disc stands between its ends. So a tie is as much finer as contacts are nearer to
+    each other, down to the rounding of phi.
+    """
+    j = w_i[arc, 0]
+    apart = _apart_sq(si, sf, cp, site, s, j, sj)
+    apart = min(apart, _apart_sq(si, sf, cp, w_i[left, 0], sl, j, sj), _apart_sq(si, sf, cp, w_i[right, 0], sr, j, sj))
+    return tie * min(max(phi * math.sqrt(apart), PHI_NOISE * phi / tie), 1.0)
 
 
 @inner
@@ -376,7 +391,8 @@ def adopt(si, sf, cp, site, s, lo, hi, w_i, k, left, right, disc, d):
     """Make disc d of arcs 0, left, right one that closes these, if that touches all three as well as coordinates tell.
 
     Three neighbouring edges of a polygon of 100,000 tell the radius of their disc to 1e-8 only: it may lie beyond the centre.
-    Where its feet run together, at a vertex between the three, say, that they are touched tells nothing.
+    Where its feet run together, at a vertex between the three, say, that they are touched tells nothing; nor does a foot on a
+    convex vertex, where no disc touches. The contacts become the feet of the disc taken.
     """
     near = STEEP * disc[d, 2]
     for m in range(1, 3):
@@ -387,20 +403,27 @@ def adopt(si, sf, cp, site, s, lo, hi, w_i, k, left, right, disc, d):
         closing = w_i[arc if choice % 2 == 0 else (arc + k - 1) % k, 1]
         x = disc[closing, 0]
         y = disc[closing, 1]
+        f0 = _foot(si, sf, cp, site[0], s[0], lo[0], hi[0], x, y)
+        f1 = _foot(si, sf, cp, site[1], s[1], lo[1], hi[1], x, y)
+        f2 = _foot(si, sf, cp, site[2], s[2], lo[2], hi[2], x, y)
         miss = 0.0
-        as_wide = True
-        first = _foot(si, sf, cp, site[0], s[0], lo[0], hi[0], x, y)
+        fit = True
         for m in range(3):
-            foot = _foot(si, sf, cp, site[m], s[m], lo[m], hi[m], x, y)
+            foot = f0 if m == 0 else (f1 if m == 1 else f2)
             dx, dy, tx, ty, curvature, speed = evaluate(si, sf, cp, site[m], foot, x, y)
             miss = max(miss, abs(math.sqrt(dx * dx + dy * dy) - disc[closing, 2]))
             if m > 0:
-                wide = _apart_sq(si, sf, cp, site[0], first, site[m], foot)
-                as_wide &= wide >= AS_WIDE * AS_WIDE * _apart_sq(si, sf, cp, site[0], s[0], site[m], s[m])
-        if miss <= SETTLED and as_wide:
+                wide = _apart_sq(si, sf, cp, site[0], f0, site[m], foot)
+                fit &= wide >= AS_WIDE * AS_WIDE * _apart_sq(si, sf, cp, site[0], s[0], site[m], s[m])
+            if foot <= 0.0 or foot >= 1.0:
+                fit &= si[site[m] if foot <= 0.0 else si[site[m], NEXT], CORNER] != CONVEX_VERTEX
+        if miss <= SETTLED and fit:
             disc[d, 0] = x
             disc[d, 1] = y
             disc[d, 2] = disc[closing, 2]
+            s[0] = f0
+            s[1] = f1
+            s[2] = f2
             return
 
 

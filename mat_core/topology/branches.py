@@ -27,6 +27,7 @@ from mat_core.topology.branch_disc import (
     polish,
     seen_from,
     solve_at_corner,
+    tie_beside,
     touch_arc,
 )
 from mat_core.topology.discs import K_LOW, NO_PARTNER, NOT_EULER, OK, TOO_SMALL
@@ -78,11 +79,14 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
         better, arc = best_between(si, sf, cp, site, s, w_i, w_f, right, left, least, tie)
         if phi < K_LOW and arc < 0:
             return NO_PARTNER, nodes
-        if not better > least * (1.0 + tie):
-            arc = -1
-            if left - 1 > right and seen_from(si, sf, cp, w_i, w_f, left, sl, left - 1, phi, tie) > 1.0 + CLEARLY:
+        if arc >= 0 and not better > least * (1.0 + tie):
+            value, sj = touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie)
+            if not better > least * (1.0 + tie_beside(si, sf, cp, site, s, w_i, left, sl, right, sr, arc, sj, phi, tie)):
+                arc = -1
+        if arc < 0 and left - 1 > right:
+            if seen_from(si, sf, cp, w_i, w_f, left, sl, left - 1, phi, tie) > 1.0 + CLEARLY:
                 arc = left - 1
-            elif left - 1 > right and seen_from(si, sf, cp, w_i, w_f, right, sr, right + 1, phi, tie) > 1.0 + CLEARLY:
+            elif seen_from(si, sf, cp, w_i, w_f, right, sr, right + 1, phi, tie) > 1.0 + CLEARLY:
                 arc = right + 1
         if arc >= 0:
             # the far half waits below, the near half is done first
@@ -145,7 +149,8 @@ def walk_arc(si, sf, cp, w_i, w_f, k, tie, disc, n_discs, contacts_i, contacts_s
                 continue
             if between == right + 1 and abs(seen_from(si, sf, cp, w_i, w_f, right, sr, between, phi, tie) - 1.0) > CLEARLY:
                 continue
-            if value >= phi * (1.0 - tie) and w_f[between, 0] < sj < w_f[between, 1]:
+            near = tie_beside(si, sf, cp, site, s, w_i, left, sl, right, sr, between, sj, phi, tie)
+            if value >= phi * (1.0 - near) and w_f[between, 0] < sj < w_f[between, 1]:
                 contacts_i[n_contacts] = between
                 contacts_s[n_contacts] = sj
                 n_contacts += 1

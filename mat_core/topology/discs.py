@@ -149,7 +149,7 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     noise = _phi_noise(si, sf, cp, j, winner, s)
     # an osculating disc that touches elsewhere as well is no leaf: the branch to it has no length
     elsewhere = 0.0 < noise < tie * own and phi >= own * (1.0 - tie)
-    if own >= phi * (1.0 - OWN_RELATIVE) - noise and not elsewhere:
+    if own >= max(phi * (1.0 - OWN_RELATIVE) - noise, K_LOW) and not elsewhere:
         grows = (left and _grows(kl, sf[before, K0])) or (right and _grows(kr, sf[j, K1]))
         if not grows or winner < 0:
             nx, ny = own_normal(si, sf, j, right)

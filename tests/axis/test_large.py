@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mat_core import Domain, MedialAxis, medial_axis
+from mat_core import Domain, MedialAxis, medial_axis, pipeline
 from tests.families import bezier, comb, gear, hole_grid, line, ngon, plate, polar, polygon_hole, polyline, shape, star
 
 Json = dict[str, Any]
@@ -135,3 +135,18 @@ def test_regular_polygon_of_many_sides(n: int) -> None:
     assert len(axis.runs.node_kind) - len(inner) == n
     assert np.hypot(*(inner[:, :2] - centre).T).max() < 1e-9
     assert axis.runs.cycles == 0
+
+
+@pytest.mark.parametrize("flat", [1.0, 0.6, 0.1])
+@pytest.mark.parametrize(("n", "shortest"), [(30, 1e-6), (100, 1e-6), (400, 1e-5), (1500, 1e-4), (10000, 1e-2)])
+def test_convex_polygons_pass_on_the_first_rung(n: int, shortest: float, flat: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sides of very different lengths on an ellipse, some shorter than what they turn by: nothing ties, each vertex is a leaf."""
+    monkeypatch.setattr(pipeline, "LADDER", pipeline.LADDER[:1])
+    for seed in range(3):
+        gap = 10.0 ** np.random.default_rng((n, seed)).uniform(math.log10(shortest), 0.0, n)
+        t = np.cumsum(gap) * (2.0 * math.pi / gap.sum())
+        axis = solve(shape("convex", polyline([(float(x), float(y)) for x, y in zip(np.cos(t), flat * np.sin(t), strict=True)])))
+        leaves, branches, cycles = counts(axis)
+        assert leaves == n
+        assert branches > 0
+        assert cycles == 0
