@@ -37,24 +37,24 @@ def main() -> None:
         return
     found, missing = peers()
     for peer in found:
-        print(f"{peer.name} {peer.version}")
+        print(f"{peer.name} {peer.version}", flush=True)
     for name, reason in missing.items():
-        print(f"SKIPPED {name}: {reason}")
+        print(f"SKIPPED {name}: {reason}", flush=True)
     begun = time.monotonic()
     rows: list[Row] = []
     left_out: list[str] = []
     wanted = [case for case in cases() if chosen.only in f"{case.group}/{case.label}"]
-    for case in wanted:
+    for number, case in enumerate(wanted, 1):
         if time.monotonic() - begun > 60 * chosen.minutes:
             print(f"SKIPPED {case.label}: {chosen.minutes:g} minutes are over")
             left_out.append(case.label)
             continue
         rows.append(solve(case, found))
-        print(document.line(rows[-1]), flush=True)
+        print(f"{number}/{len(wanted)} {document.line(rows[-1])}", flush=True)
     if not chosen.only:
         stages = Stages()
         families = [_grown(name, stages) for name in LARGE]
-        profiles = {case.label: run(case.build(), stages, tolerance=case.tolerance) for case in wanted if _profiled(case)}
+        profiles = {case.label: _profile(case, stages) for case in wanted if _profiled(case)}
         results = Results(rows, families, profiles, {peer.name: peer.version for peer in found}, missing, left_out)
         results.save()
         document.write(results)
@@ -64,6 +64,11 @@ def _grown(name: str, stages: Stages) -> growth.Family:
     family = growth.grow(name, stages)
     print("\n".join(growth.table(family) if family.figures else [family.ended]), flush=True)
     return family
+
+
+def _profile(case: Case, stages: Stages) -> dict[str, float]:
+    print(f"stages of {case.label}", flush=True)
+    return run(case.build(), stages, tolerance=case.tolerance)
 
 
 def _profiled(case: Case) -> bool:
