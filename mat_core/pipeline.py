@@ -66,15 +66,10 @@ def medial_axis(
         curves do not depend on it. With "march" it is the tracing step along the boundary, too (the paper's section 6); there the
         default is 0.001, or one hundredth of the smallest edge if that is smaller, in 200,000 steps at most.
     smooth_angle : float
-<<<<<<< HEAD
         Radians, 0 to 0.1; joints that turn by less are smooth: no branch of the axis runs into them (none does into a reflex one,
-        so these are only smooth where they hardly turn). Where no axis with them smoothed passes its certificate (the rest of the
-        boundary is nearly a circle, say), they are corners after all.
-=======
-        Radians, 0 to 0.1; joints that turn by less are smooth: no branch of the axis runs into them. They are corners after all
-        where they are how tiny sides bend (a convex joint turns by more than a hundredth of the normalised length of a side
-        beside it), or where no axis with them smoothed passes its certificate (the rest of the boundary is nearly a circle, say).
->>>>>>> 71e9758 (Sides that meet almost straight tie as finely as their contacts are near: convex polygons of 200,000 pass on the first rung)
+        so these are only smooth where they hardly turn). They are corners after all where they are how tiny sides bend (a convex
+        joint turns by more than a hundredth of the normalised length of a side beside it), or where no axis with them smoothed
+        passes its certificate (the rest of the boundary is nearly a circle, say).
     check_step : int, optional
         Tracing steps of "march" from one check for a branch point to the next, 1 to 1,000,000; default 10. "discs", whose check
         is exact, has no use for it.

@@ -88,12 +88,9 @@ from mat_core.model.domain import Domain
 from mat_core.tolerances import Tolerances
 
 KINK = 32.0  # roundings by which a joint may turn, radians, without anything being meant by it
-<<<<<<< HEAD
 BENT_BACK = 1e-9  # radians by which a reflex joint may turn and be smooth: no branch runs into it, so nothing is gained by more
-=======
 SLIGHT_BEND = 0.01  # of a convex joint over the length of a piece beside it: no disc is bent so little by a hundred times
 UNCERTAIN = 2.0  # roundings over its length by which the tangent of a piece may be wrong
->>>>>>> 71e9758 (Sides that meet almost straight tie as finely as their contacts are near: convex polygons of 200,000 pass on the first rung)
 SAME_CURVATURE = 1e-12  # relative difference of the curvatures at both ends of a spiral below which it may be a circular arc
 FROM_CIRCLE = 1e-16  # distance from that arc, normalised, which is rounding
 
@@ -289,14 +286,12 @@ def _fill_fan(site, before, after, turn, si, sf):
 
 
 @inner
-def _smooth_limit(sf, before, after, turn, smooth_angle, rounding):
-    """The angle up to which the joint of two pieces is smooth.
+def _smooth_limit(sf, before, after, smooth_angle, rounding):
+    """The angle up to which the convex joint of two pieces is smooth.
 
     Two tiny pieces that meet at a convex angle may be how a curve bends: a disc at one joint would touch what lies beyond the
     next one, as if there were no corner between. So the angle has to be small for the length of both, or their rounding.
     """
-    if turn <= 0.0:
-        return smooth_angle
     length = min(sf[before, LEN], sf[after, LEN])
     return min(smooth_angle, max(SLIGHT_BEND * length, UNCERTAIN * rounding / length))
 
@@ -317,17 +312,12 @@ def _is_peak(sf, a, b):
 
 
 @jit
-<<<<<<< HEAD
-def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back, si, sf, turns, loop_start):
+def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back, rounding, si, sf, turns, loop_start):
     """Step 3: all loops. `si`, `sf` have room for twice the pieces; returns the number of sites.
 
-    A convex joint that turns by no more than `smooth_angle` is smooth, a reflex one by no more than `bent_back`: a fan has all of
-    its normals, and the disc of their mean would be off by radius times angle. But for one leaf a fan would make two.
+    A convex joint that turns by no more than `_smooth_limit` is smooth, a reflex one by no more than `bent_back`: a fan has all
+    of its normals, and the disc of their mean would be off by radius times angle. But for one leaf a fan would make two.
     """
-=======
-def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, rounding, si, sf, turns, loop_start):
-    """Step 3: all loops. `si`, `sf` have room for twice the pieces; returns the number of sites."""
->>>>>>> 71e9758 (Sides that meet almost straight tie as finely as their contacts are near: convex polygons of 200,000 pass on the first rung)
     count = 0
     loop_start[0] = 0
     for loop in range(piece_loop_start.shape[0] - 1):
@@ -351,11 +341,7 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, rounding
                     turn = turn if turn > 0.0 else turn + 2.0 * math.pi
                 else:
                     turn = turn if turn < 0.0 else turn - 2.0 * math.pi
-<<<<<<< HEAD
-            elif -bent <= turn <= smooth_angle or (same_bezier and abs(turn) < 0.1):
-=======
-            elif abs(turn) <= _smooth_limit(sf, a, b, turn, smooth_angle, rounding) or (same_bezier and abs(turn) < 0.1):
->>>>>>> 71e9758 (Sides that meet almost straight tie as finely as their contacts are near: convex polygons of 200,000 pass on the first rung)
+            elif -bent <= turn <= _smooth_limit(sf, a, b, smooth_angle, rounding) or (same_bezier and abs(turn) < 0.1):
                 turn = 0.0
             # a curvature that grows without bound towards its end is a leaf of radius 0 there, like a convex corner
             if turn > 0.0 or sf[b, K0] == math.inf or (turn == 0.0 and sf[a, K1] == math.inf):
@@ -444,10 +430,7 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     sf = np.zeros((2 * n_pieces, SF_WIDTH))
     turns = np.empty(n_pieces)
     loop_start = np.empty(len(a.loop_start), dtype=np.int64)
-<<<<<<< HEAD
     bent_back = min(smooth_angle, max(BENT_BACK, KINK * rounding))
-    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, bent_back, si, sf, turns, loop_start)
-=======
-    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, rounding, si, sf, turns, loop_start)
->>>>>>> 71e9758 (Sides that meet almost straight tie as finely as their contacts are near: convex polygons of 200,000 pass on the first rung)
+    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, bent_back, rounding, si, sf, turns,
+                    loop_start)
     return SiteTable(si[:n], sf[:n], grown[:rows], loop_start, origin, scale, smooth_angle)
