@@ -1,17 +1,8 @@
-"""Strips between lines, arcs and points: as conics, exactly.
-
-One rational quadratic does for all strips in a row between the same two curves, as long as it turns by less than a quadratic does
-well (`MAX_TURN`). A strip that turns by more is cut evenly.
-"""
+"""A strip between lines, arcs and points: as conics, exactly; cut evenly where it turns by more than one does well."""
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
-from numpy.typing import NDArray
-
-from mat_core.curves.conics import EXACT, MAX_TURN, conic, conic_kind, swing
+from mat_core.curves.conics import MAX_TURN, conic, conic_kind, swing
 from mat_core.curves.pieces import (
     MAX_PIECES,
     NO_FIT,
@@ -28,36 +19,8 @@ from mat_core.curves.pieces import (
 )
 from mat_core.curves.way import WAY_HI, WAY_LO, WAY_PARTNER, WAY_S0, WAY_S1, WAY_SITE, Scratch, Track
 from mat_core.kernels.jit import inner
-from mat_core.kernels.layout import KIND, LEN, LINE
+from mat_core.kernels.layout import KIND, LINE
 from mat_core.tracing.strip import trace
-
-Floats = NDArray[np.float64]
-
-
-@inner
-def conic_end(track: Track, begin: int, rows: int) -> int:
-    """The row after the last strip that one quadratic from the start of row `begin` may pass."""
-    end = begin + 1
-    turn = _turn(track, begin)
-    while end < rows and track.joined[end]:
-        turn += _turn(track, end)
-        if not turn < MAX_TURN:
-            break
-        end += 1
-    return end
-
-
-@inner
-def conic_pieces(track: Track, scratch: Scratch, pieces: Pieces, begin: int, end: int, count: int) -> int:
-    """Pieces of the strips in rows begin .. end - 1, one if these are several; their new number or a status."""
-    if end > begin + 1 and not _in_one(track, scratch, pieces, begin, end, count):
-        # the curves of several differ by rounding that tells: each by itself
-        for w in range(begin, end):
-            count = _cut(track, scratch, pieces, w, count)
-            if count < 0:
-                break
-        return count
-    return count + 1 if end > begin + 1 else _cut(track, scratch, pieces, begin, count)
 
 
 @inner
@@ -100,7 +63,7 @@ def _write(track: Track, scratch: Scratch, pieces: Pieces, a: int, b: int, p: in
 
 
 @inner
-def _cut(track: Track, scratch: Scratch, pieces: Pieces, w: int, count: int) -> int:
+def conic_pieces(track: Track, scratch: Scratch, pieces: Pieces, w: int, count: int) -> int:
     """Pieces of one strip; their new number or a status."""
     share = _turn(track, w) / MAX_TURN
     if not share < MAX_PIECES:
@@ -133,59 +96,3 @@ def _cut(track: Track, scratch: Scratch, pieces: Pieces, w: int, count: int) -> 
         for m in range(3):
             corners[0, m] = corners[1, m]
     return count
-
-
-@inner
-def _in_one(track: Track, scratch: Scratch, pieces: Pieces, begin: int, end: int, p: int) -> bool:
-    """Piece p for several strips; False where it does not follow them but for rounding, or there is no room."""
-    if p + 1 >= pieces.piece_i.shape[0]:
-        return False
-    for m in range(3):
-        scratch.corners[0, m] = track.disc[track.strip_i[begin, 2], m]
-        scratch.corners[1, m] = track.disc[track.strip_i[end - 1, 3], m]
-    # of parts of one curve the longest tells best where it runs
-    a = track.strip_i[begin, 0]
-    b = track.strip_i[begin, 1]
-    for w in range(begin + 1, end):
-        if track.sf[track.strip_i[w, 0], LEN] > track.sf[a, LEN]:
-            a = track.strip_i[w, 0]
-        if track.sf[track.strip_i[w, 1], LEN] > track.sf[b, LEN]:
-            b = track.strip_i[w, 1]
-    if not _write(track, scratch, pieces, a, b, p) <= EXACT:
-        return False
-    row = pieces.piece_i[p, P_ROW]
-    before = 0.0
-    for w in range(begin, end):
-        after = 1.0 if w == end - 1 else _parameter(pieces.cp, row, pieces.piece_i[p, P_DEGREE], track.disc, track.strip_i[w, 3])
-        if not before < after:
-            return False
-        side = _side(track, w)
-        lay_way(track, w, side)
-        add_part(pieces, p, w - begin, w, side, before, after, track.way_f[w, WAY_S0], track.way_f[w, WAY_S1])
-        before = after
-    return True
-
-
-@inner
-def _parameter(cp: Floats, row: int, degree: int, disc: Floats, d: int) -> float:
-    """t of a disc on a piece: where both are equally far along its chord.
-
-    With tau the share along the chord, of the disc and of the middle control point (v):  2 w v t (1 - t) + t^2 = tau W(t).
-    """
-    along = 0.0
-    middle = 0.0
-    chord = 0.0
-    for m in range(3):
-        way = cp[row + degree, m] - cp[row, m]
-        chord += way * way
-        along += way * (disc[d, m] - cp[row, m])
-        middle += way * (cp[row + 1, m] - cp[row, m])
-    tau = along / chord
-    if degree == 1:
-        return tau
-    w = cp[row + 1, 3]
-    # a t^2 + 2 b t - tau = 0
-    b = w * (middle / chord - tau) + tau
-    a = 1.0 - 2.0 * tau - 2.0 * w * (middle / chord - tau)
-    root = math.sqrt(max(b * b + a * tau, 0.0))
-    return tau / (b + root) if b + root > 0.0 else 1.0

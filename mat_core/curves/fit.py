@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mat_core.curves.conics import is_conic
 from mat_core.curves.continuing import goes_on
-from mat_core.curves.exact import conic_end, conic_pieces
+from mat_core.curves.exact import conic_pieces
 from mat_core.curves.pieces import NO_FIT, NO_ROOM, P_PART, P_ROW, Pieces
 from mat_core.curves.stretch import free_stretch
 from mat_core.curves.way import Scratch, Track
@@ -66,8 +66,7 @@ def fit_strips(track: Track, scratch: Scratch, pieces: Pieces, tolerance: float,
         first[w - begin] = count
         end = w + 1
         if is_conic(track.si, track.strip_i[w, 0], track.strip_i[w, 1]):
-            end = conic_end(track, w, rows)
-            count = conic_pieces(track, scratch, pieces, w, end, count)
+            count = conic_pieces(track, scratch, pieces, w, count)
         else:
             while end < rows and joined[end]:
                 end += 1

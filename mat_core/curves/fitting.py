@@ -26,7 +26,7 @@ def fit_all(
     n = len(graph.run_strip)
     track = new_track(table.si, table.sf, table.cp, skeleton.disc, n)
     travel(track, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward,
-           np.empty((2 * HIGHEST_DEGREE + 2, 3)))
+           np.empty((2 * HIGHEST_DEGREE + 2, 2)))
 
     def fit(part: Bounds) -> tuple[Pieces, int]:
         return _fit_part(track, part, tolerance, degree)

@@ -12,9 +12,8 @@ import pytest
 
 from mat_core import Domain, MedialAxis, medial_axis
 from mat_core.kernels.layout import ARC, FAN, K0, KIND, LINE, TX0, TY0, X0, Y0
-from tests.curves.shapes import shape, solved
+from tests.curves.shapes import solved
 from tests.families import dumbbell
-from tests.transforms import in_parts
 
 EXACT = 1e-12  # of the larger side
 SHAPES = (
@@ -137,14 +136,3 @@ def test_discs_that_leave_a_narrow_neck_are_exact(neck: float) -> None:
     content = dumbbell(neck)
     axis = medial_axis(Domain.from_dict({"outer": content["outer"], "holes": content.get("holes", [])}))
     assert max(worst for pair, _, worst in exact_pieces(axis) if pair == ("point", "point")) <= 1e-14
-
-
-@pytest.mark.parametrize("name", ["rectangle", "ell", "stadium", "half_disc", "keyhole", "line_arc", "mixed_holes"])
-def test_edges_given_in_parts_change_no_conic(name: str) -> None:
-    """One quadratic for all strips of two curves: parts may change where a sharp turn is cut, but add no piece for each joint."""
-    whole, parts = solved(name), medial_axis(Domain.from_dict(in_parts(shape(name), (0.13, 0.37, 0.5, 0.81))))
-    assert len(parts.skeleton.strip_i) > len(whole.skeleton.strip_i)
-    assert Counter(s.kind for s in parts.segments) == Counter(s.kind for s in whole.segments)
-    assert max(s.max_error for s in parts.segments) <= EXACT * parts.domain.size
-    counts = [sum(len(np.unique(s.knots)) - 1 for s in axis.segments) for axis in (whole, parts)]
-    assert counts[1] <= 1.2 * counts[0]
