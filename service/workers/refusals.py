@@ -24,6 +24,16 @@ def invalid(found: list[mat_core.Problem]) -> RequestError:
     return RequestError("too-complex" if too_complex else "invalid-domain", detail, {"problems": problems})
 
 
+def check_edges(content: Any, most: int) -> None:
+    """Refuse a domain of too many edges before any of them is looked at."""
+    holes = content.get("holes") if isinstance(content, dict) else None
+    loops = [content.get("outer"), *(holes if isinstance(holes, list) else [])] if isinstance(content, dict) else []
+    count = sum(len(loop) for loop in loops if isinstance(loop, list))
+    if count > most:
+        text = f"the boundary has {count} edges; at most {most} are accepted. Simplify it, or cut it into parts"
+        raise invalid([mat_core.Problem("too-complex", "", text)])
+
+
 @contextlib.contextmanager
 def refusals(member: str) -> Iterator[None]:
     """Turn what the library raises while it computes into errors of the service; `member` of the body holds what was asked."""

@@ -29,7 +29,7 @@ from service.workers import encode, execute
 from service.workers.clock import Clock
 from service.workers.parse import parse
 from service.workers.process import die_with_parent
-from service.workers.refusals import invalid, refusals
+from service.workers.refusals import check_edges, invalid, refusals
 
 SOLVER_OPTIONS = frozenset(inspect.signature(mat_core.medial_axis).parameters) - {"domain", "progress", "threads"}
 """What this version of the library takes; the contract knows more."""
@@ -271,7 +271,7 @@ def _read(
     limits = {}
     if "most_control_points" in order:
         limits["max_control_points"] = order["most_control_points"]
-        _check_edges(content, order["most_edges"])
+        check_edges(content, order["most_edges"])
     try:
         domain = mat_core.Domain.from_dict(content, **limits)
     except mat_core.InvalidDomain as refusal:
@@ -281,16 +281,6 @@ def _read(
     if strict_error is not None:
         raise strict_error
     return domain, arguments
-
-
-def _check_edges(content: Any, most: int) -> None:
-    """Refuse a domain of too many edges before any of them is looked at."""
-    holes = content.get("holes") if isinstance(content, dict) else None
-    loops = [content.get("outer"), *(holes if isinstance(holes, list) else [])] if isinstance(content, dict) else []
-    count = sum(len(loop) for loop in loops if isinstance(loop, list))
-    if count > most:
-        text = f"the boundary has {count} edges; at most {most} are accepted. Simplify it, or cut it into parts"
-        raise invalid([mat_core.Problem("too-complex", "", text)])
 
 
 def _keep(folder: str | None, body: bytes) -> None:
