@@ -8,8 +8,9 @@ from contextlib import asynccontextmanager
 
 from fastapi import Depends, FastAPI
 
-from service import __version__, middleware, openapi, responses
-from service.caching import ResultCache
+from service import __version__, openapi
+from service.http import middleware, responses
+from service.http.caching import ResultCache
 from service.jobs.dbos_jobs import DbosJobs
 from service.observability import logs, telemetry
 from service.observability.metrics import Metrics

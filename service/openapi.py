@@ -17,8 +17,8 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.errors import ERRORS
-from service.keys import is_open
-from service.negotiation import FORMATS
+from service.http.keys import is_open
+from service.http.negotiation import FORMATS
 from service.openapi_parts import (
     FORMAT_SCHEMAS,
     IDEMPOTENCY_KEY,

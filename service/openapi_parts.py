@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
-from service.negotiation import Format
+from service.http.negotiation import Format
 
 Json = dict[str, Any]
 

@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from service import schemas
 from service.analyses import boundaries, branches, measures
-from service.negotiation import FORMATS, Format
+from service.http.negotiation import FORMATS, Format
 
 UNDRAWN: tuple[Format, ...] = ("json", "msgpack")
 DRAWN: tuple[Format, ...] = ("json", "svg", "dxf", "msgpack")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from service.negotiation import Format
+from service.http.negotiation import Format
 from service.settings import Settings
 
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
 from service import __version__
 from service.errors import RequestError
-from service.negotiation import FORMATS
+from service.http.negotiation import FORMATS
 from service.operations import OPERATIONS, Operation
 from service.schemas import Answer, Link, Request
 

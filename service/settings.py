@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
-from service.keys import ApiKeys, read_keys
+from service.http.keys import ApiKeys, read_keys
 
 KIB = 1024
 MIB = 1024 * KIB

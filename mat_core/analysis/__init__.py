@@ -8,14 +8,14 @@ from mat_core.analysis.centerline import Centerline, Extension, centerline
 from mat_core.analysis.inscribed import InscribedDiscs, Part, inscribed_disc, inscribed_discs
 from mat_core.analysis.nearest import Nearest, nearest
 from mat_core.analysis.network import Completeness, Feature, completeness, to_networkx
-from mat_core.analysis.offset import offset, offsets
-from mat_core.analysis.parallel import Source
-from mat_core.analysis.peeling import Cut
+from mat_core.analysis.offsetting.offset import offset, offsets
+from mat_core.analysis.offsetting.parallel import Source
+from mat_core.analysis.offsetting.regions import Offset, OffsetEdge, OffsetLoop, OffsetRegion
 from mat_core.analysis.places import AxisDisc
-from mat_core.analysis.prune import prune
-from mat_core.analysis.pruned import PrunedAxis, PrunedNode, PrunedSegment
-from mat_core.analysis.reconstruct import Reconstruction, reconstruct
-from mat_core.analysis.regions import Offset, OffsetEdge, OffsetLoop, OffsetRegion
+from mat_core.analysis.pruning.peeling import Cut
+from mat_core.analysis.pruning.prune import prune
+from mat_core.analysis.pruning.pruned import PrunedAxis, PrunedNode, PrunedSegment
+from mat_core.analysis.rebuilding.reconstruct import Reconstruction, reconstruct
 from mat_core.analysis.touching import BoundaryInterval
 from mat_core.analysis.width import Thickness, Wall, Width, width
 

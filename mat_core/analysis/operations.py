@@ -14,9 +14,9 @@ from mat_core.analysis.arguments import Argument, number, point_list, truth_valu
 from mat_core.analysis.centerline import centerline
 from mat_core.analysis.inscribed import inscribed_discs
 from mat_core.analysis.nearest import nearest
-from mat_core.analysis.offset import TOLERANCE_RANGE, offset
-from mat_core.analysis.prune import prune
-from mat_core.analysis.reconstruct import reconstruct
+from mat_core.analysis.offsetting.offset import TOLERANCE_RANGE, offset
+from mat_core.analysis.pruning.prune import prune
+from mat_core.analysis.rebuilding.reconstruct import reconstruct
 from mat_core.analysis.width import width
 from mat_core.model.curve import RationalBSpline
 

@@ -165,7 +165,7 @@ def certify(
     graph : Network
         Nodes and segments; a `mat_core.topology.graph.AxisGraph`.
     curves : Curves
-        Fitted curves of the segments, in (x, y, r); a `mat_core.records.CurveTable`.
+        Fitted curves of the segments, in (x, y, r); a `mat_core.axis.records.CurveTable`.
     tolerance : float
         What the curves were asked to keep, relative to the larger side of the bounding box.
     domain : Domain, optional

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.axis import MedialAxis
+from mat_core.axis.records import CurveTable
 from mat_core.boundary.sites import SiteTable
 from mat_core.curves.bezier import raise_degree
 from mat_core.curves.conics import K_FREEFORM
@@ -40,7 +41,6 @@ from mat_core.curves.pieces import (
 )
 from mat_core.kernels.jit import inner, jit
 from mat_core.model.domain import Domain
-from mat_core.records import CurveTable
 from mat_core.topology.graph import AxisGraph
 from mat_core.topology.skeleton import Skeleton
 

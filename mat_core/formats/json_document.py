@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.axis.segment import SEGMENT_KINDS
 from mat_core.kernels.layout import EDGE, FAN, KIND, LOOP
-from mat_core.segment import SEGMENT_KINDS
 from mat_core.topology.graph import NODE_KINDS
 
 if TYPE_CHECKING:

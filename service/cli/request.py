@@ -18,7 +18,7 @@ def header(asked: argparse.Namespace, form: str) -> dict[str, Any]:
     """What the worker is told besides the body."""
     told: dict[str, Any] = {"operation": operation(asked, form), "format": form}
     if asked.precision is not None:
-        from service.negotiation import WITH_PRECISION
+        from service.http.negotiation import WITH_PRECISION
 
         if form not in WITH_PRECISION:
             raise Failure(USAGE, f"--precision goes with {', '.join(WITH_PRECISION)}, not with {form}")

@@ -19,11 +19,11 @@ from typing import Any, ParamSpec, TypeVar, cast
 import orjson
 
 from service.errors import PROBLEM_LINE, RequestError
+from service.http.negotiation import Format
 from service.jobs.blobs import Blobs
 from service.jobs.calls import Calls
 from service.jobs.port import Job, StoreUnavailable
 from service.jobs.store import Chunk, Enqueue, Store
-from service.negotiation import Format
 from service.orders import Order
 from service.settings import MIB, Settings
 from service.workers.pool import DeadlineExceeded, Pool, Reply, WorkerCrashed

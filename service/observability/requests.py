@@ -9,10 +9,10 @@ from contextvars import Token
 
 from starlette.types import Scope
 
+from service.http.trace_context import TraceContext
 from service.observability.logs import IDS
 from service.observability.metrics import SUCCESS, Metrics
 from service.observability.telemetry import QUIET
-from service.trace_context import TraceContext
 
 _log = logging.getLogger("service.access")
 

@@ -21,7 +21,7 @@ from fastapi.telemetry import TelemetryConfig
 from opentelemetry import trace
 from starlette.types import Scope
 
-from service.trace_context import TraceContext
+from service.http.trace_context import TraceContext
 
 QUIET = ("/healthz", "/readyz", "/metrics")
 """Asked every few seconds by machines; the answer is no news for people."""

@@ -6,13 +6,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.bodies import arriving
 from service.errors import RequestError
+from service.http.bodies import arriving
+from service.http.negotiation import check_coding
+from service.http.preferences import Preferences
 from service.jobs.port import BatchRefused
-from service.negotiation import check_coding
 from service.operations import OPERATIONS
 from service.orders import Order
-from service.preferences import Preferences
 from service.routes.jobs import LINES, created, idempotency_key, jobs_of, owner_of, refusals
 from service.routes.solve import PrecisionParameter
 

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.openapi.docs import get_swagger_ui_html
 from fastapi.staticfiles import StaticFiles
 
-from service.responses import document_response
+from service.http.responses import document_response
 
 STATIC = Path(__file__).resolve().parents[1] / "static"
 

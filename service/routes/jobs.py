@@ -15,12 +15,12 @@ from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
 from starlette.requests import ClientDisconnect
 
-from service import caching, compression
 from service.errors import OGC, RequestError
+from service.http import caching, compression
+from service.http.negotiation import FORMATS, accepts_gzip
+from service.http.preferences import Preferences
 from service.jobs.port import Job, Jobs, KeyInFlight, KeyReused, StoreUnavailable
-from service.negotiation import FORMATS, accepts_gzip
 from service.orders import Order
-from service.preferences import Preferences
 from service.schemas import JobList, JobStatus, Link
 
 router = APIRouter(tags=["jobs"])

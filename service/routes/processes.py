@@ -8,9 +8,9 @@ from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.routing import APIRoute
 
 from service import processes
-from service.negotiation import FORMATS, choose_format
+from service.http.negotiation import FORMATS, choose_format
+from service.http.responses import document_response
 from service.operations import OPERATIONS
-from service.responses import document_response
 from service.routes import jobs
 from service.routes.solve import answer, make_order
 

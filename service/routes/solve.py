@@ -10,11 +10,11 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, Response
 from starlette.requests import ClientDisconnect
 
-from service import caching
-from service.bodies import announced_bytes, read_body
-from service.caching import Kept, ResultCache
 from service.errors import RequestError
-from service.negotiation import (
+from service.http import caching
+from service.http.bodies import announced_bytes, read_body
+from service.http.caching import Kept, ResultCache
+from service.http.negotiation import (
     FORMATS,
     PRECISION_RANGE,
     Format,
@@ -23,12 +23,12 @@ from service.negotiation import (
     check_precision,
     choose_format,
 )
+from service.http.preferences import Preferences, read_preferences
+from service.http.responses import InPieces
 from service.observability.logs import IDS
 from service.observability.telemetry import record_work
 from service.operations import OPERATIONS, Operation
 from service.orders import Order
-from service.preferences import Preferences, read_preferences
-from service.responses import InPieces
 from service.routes import jobs
 from service.settings import Settings
 from service.workers.lanes import Lane

@@ -18,7 +18,7 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 
-from service.compression import LEAST_BYTES, compress
+from service.http.compression import LEAST_BYTES, compress
 from service.workers.safe_json import loads
 
 ROUNDED = frozenset(

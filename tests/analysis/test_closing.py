@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mat_core.analysis.closing import Part, closed
+from mat_core.analysis.rebuilding.closing import Part, closed
 
 SQUARE = np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 

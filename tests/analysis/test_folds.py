@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mat_core.analysis.fitting import bernstein
-from mat_core.analysis.folds import follow, forward, split
+from mat_core.analysis.rebuilding.folds import follow, forward, split
 
 Floats = NDArray[np.float64]
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from mat_core import Domain, MedialAxis, NotCertified, medial_axis
-from mat_core.analysis import offset, parallel
-from mat_core.analysis.parallel import parallel_points
-from mat_core.analysis.parallel_bound import parallel_bound
+from mat_core.analysis import offset
+from mat_core.analysis.offsetting import parallel
+from mat_core.analysis.offsetting.parallel import parallel_points
+from mat_core.analysis.offsetting.parallel_bound import parallel_bound
 from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.layout import KIND, SPIRAL
 from tests.analysis.test_offset import outlines

@@ -13,7 +13,7 @@ import pytest
 
 from mat_core import Domain, MedialAxis, medial_axis
 from mat_core.analysis import reconstruct
-from mat_core.analysis.reconstruct import Reconstruction
+from mat_core.analysis.rebuilding.reconstruct import Reconstruction
 from tests.families import CATALOGUE
 
 Json = dict[str, Any]

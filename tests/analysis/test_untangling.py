@@ -9,7 +9,7 @@ import pytest
 
 from mat_core import Domain, InvalidDomain
 from mat_core.analysis.outline import edge_dicts, measure
-from mat_core.analysis.untangling import untangled
+from mat_core.analysis.rebuilding.untangling import untangled
 from mat_core.model.curve import RationalBSpline
 from mat_core.outlines import circle, polygon
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mat_core import Domain, NotCertified
-from mat_core.axis import CurveTable
+from mat_core.axis.records import CurveTable
 from mat_core.boundary.sites import SiteTable, build_sites
 from mat_core.curves.assemble import build_curves
 from mat_core.curves.pieces import MAX_PIECES

@@ -13,7 +13,7 @@ import pytest
 
 from mat_core.analysis import operations as library
 from service.errors import ERRORS
-from service.negotiation import FORMATS
+from service.http.negotiation import FORMATS
 from service.operations import OPERATIONS
 from service.settings import Settings, variable
 

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from service.app import create_app
 from service.errors import ERRORS, MEDIA_TYPE
-from service.negotiation import FORMATS, PRECISION_RANGE
+from service.http.negotiation import FORMATS, PRECISION_RANGE
 from service.openapi import OWN_CODES, codes_of
 from service.operations import OPERATIONS, Operation
 from service.schemas import DomainRequest

@@ -15,7 +15,7 @@ from starlette.testclient import TestClient
 from service import __version__
 from service.app import create_app
 from service.errors import ERRORS, MEDIA_TYPE, OGC
-from service.negotiation import FORMATS
+from service.http.negotiation import FORMATS
 from service.operations import OPERATIONS
 from service.settings import KIB, MIB, Settings
 

@@ -25,8 +25,8 @@ from service.cli.batch import settings_of
 from service.cli.exits import BROKEN_PIPE, EXITS, FAILED, INVALID_INPUT, NOT_CERTIFIED, OF_CODE, OK, SOME_FAILED, USAGE
 from service.cli.serve import listen
 from service.errors import ERRORS
-from service.negotiation import FORMATS as SERVED
-from service.negotiation import PRECISION_RANGE
+from service.http.negotiation import FORMATS as SERVED
+from service.http.negotiation import PRECISION_RANGE
 from service.workers.solve import handle
 from tests.service.live import ROOT, free_port
 from tests.service.processes import alive, descendants, eventually

@@ -15,7 +15,7 @@ from referencing import Registry, Resource
 
 from mat_core import Domain, medial_axis
 from service.errors import ERRORS, MEDIA_TYPE
-from service.negotiation import FORMATS
+from service.http.negotiation import FORMATS
 from service.operations import OPERATIONS
 from service.schemas import ProblemDocument
 from tests.service.live import serving

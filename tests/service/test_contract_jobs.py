@@ -11,7 +11,7 @@ import httpx2
 import pytest
 
 from service.errors import OGC
-from service.negotiation import FORMATS
+from service.http.negotiation import FORMATS
 from service.schemas import JobStatus
 from service.workers.lanes import LARGE_BODY_BYTES
 from tests.service.test_contract import body_of, refused, send

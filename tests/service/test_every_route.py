@@ -11,10 +11,10 @@ from fastapi.routing import iter_route_contexts
 from starlette.testclient import TestClient
 
 from service.app import create_app
-from service.keys import is_open
+from service.http.keys import is_open
 from service.settings import KIB, MIB, Settings
+from tests.service.http.test_keys import digest
 from tests.service.test_app import HANDLER, problem, wait_until_ready
-from tests.service.test_keys import digest
 
 JSON, LINES = ({"Content-Type": f"application/{name}"} for name in ("json", "x-ndjson"))
 PARAMETERS = {"process_id": "mat"}

@@ -17,7 +17,7 @@ from pydantic import BaseModel, ValidationError
 from mat_core import Domain, medial_axis
 from mat_core.analysis import operations as library
 from service.errors import MEDIA_TYPE
-from service.negotiation import FORMATS
+from service.http.negotiation import FORMATS
 from service.operations import OPERATIONS, Operation
 from service.schemas import ProblemDocument
 from tests.service.domains import anything

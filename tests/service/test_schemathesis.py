@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from service.app import create_app
-from service.negotiation import WITH_PRECISION
+from service.http.negotiation import WITH_PRECISION
 from service.operations import OPERATIONS
 from service.settings import Settings
 from tests.service.domains import ARGUMENTS, valid_domains

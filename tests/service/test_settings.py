@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from service.keys import ApiKey
+from service.http.keys import ApiKey
 from service.settings import InvalidSetting, Settings, variable
 
 DIGEST = "0123456789abcdef" * 4

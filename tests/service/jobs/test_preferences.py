@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.preferences import Preferences, read_preferences
+from service.http.preferences import Preferences, read_preferences
 
 NOTHING = Preferences()
 

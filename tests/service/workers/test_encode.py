@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.compression import LEAST_BYTES
+from service.http.compression import LEAST_BYTES
 from service.workers.encode import PARTS, compressed, encode, rounded, text
 
 finite = st.floats(-1e100, 1e100)

@@ -14,8 +14,8 @@ from collections.abc import AsyncIterator
 from fastapi import Request
 from starlette.requests import ClientDisconnect
 
-from service.compression import expanded
 from service.errors import RequestError
+from service.http.compression import expanded
 from service.settings import KIB, Settings
 
 LEAST_RATE = 16 * KIB

@@ -5,8 +5,8 @@ import asyncio
 import pytest
 from starlette.datastructures import Headers
 
-from service.caching import INLINE_BYTES, Kept, ResultCache, content_tag, digest, tag, unchanged
 from service.errors import RequestError
+from service.http.caching import INLINE_BYTES, Kept, ResultCache, content_tag, digest, tag, unchanged
 
 TAG = content_tag(b"a document")
 

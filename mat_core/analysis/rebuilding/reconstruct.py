@@ -22,13 +22,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.analysis.closing import Part, closed
-from mat_core.analysis.distance import farthest, pieces_of
-from mat_core.analysis.envelope import Envelope
-from mat_core.analysis.folds import follow, forward
+from mat_core.analysis.offsetting.parallel import QUARTER, arc_spline
 from mat_core.analysis.outline import edge_dicts, measure
-from mat_core.analysis.parallel import QUARTER, arc_spline
-from mat_core.analysis.untangling import untangled
+from mat_core.analysis.rebuilding.closing import Part, closed
+from mat_core.analysis.rebuilding.distance import farthest, pieces_of
+from mat_core.analysis.rebuilding.envelope import Envelope
+from mat_core.analysis.rebuilding.folds import follow, forward
+from mat_core.analysis.rebuilding.untangling import untangled
 from mat_core.axis import MedialAxis
 from mat_core.errors import NotCertified
 from mat_core.model.curve import RationalBSpline

@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.axis.lengths import curve_lengths
+from mat_core.axis.records import CurveTable, Footpoint, Graph, Node, NodeFeet, Point, Samples
+from mat_core.axis.sampling import spaced_parameters
+from mat_core.axis.segment import SEGMENT_KINDS, Segment
 from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.layout import EDGE, FAN, KIND, LOOP
 from mat_core.kernels.nurbs import spline_points
-from mat_core.lengths import curve_lengths
 from mat_core.model.domain import Domain
-from mat_core.records import CurveTable, Footpoint, Graph, Node, NodeFeet, Point, Samples
-from mat_core.sampling import spaced_parameters
-from mat_core.segment import SEGMENT_KINDS, Segment
 from mat_core.topology.graph import NODE_KINDS, AxisGraph
 from mat_core.topology.skeleton import Skeleton
 from mat_core.tracing.locate import feet, locate

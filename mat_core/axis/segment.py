@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mat_core.lengths import curve_lengths
+from mat_core.axis.lengths import curve_lengths
+from mat_core.axis.records import Footpoint, Samples
 from mat_core.model.curve import RationalBSpline
-from mat_core.records import Footpoint, Samples
 
 if TYPE_CHECKING:
     from mat_core.axis import MedialAxis

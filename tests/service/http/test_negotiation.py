@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from starlette.datastructures import Headers
 
 from service.errors import RequestError
-from service.negotiation import FORMATS, check_content, choose_format
+from service.http.negotiation import FORMATS, check_content, choose_format
 
 JSON, GEOJSON, SVG, DXF = "application/json", "application/geo+json", "image/svg+xml", "image/vnd.dxf"
 

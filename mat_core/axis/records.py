@@ -16,7 +16,7 @@ Point = tuple[float, float]
 class CurveTable(NamedTuple):
     """The curves of all segments as flat arrays; normalised coordinates.
 
-    degree (G,) and kind (G,), an index into `mat_core.segment.SEGMENT_KINDS`. Segment g has the knots
+    degree (G,) and kind (G,), an index into `mat_core.axis.segment.SEGMENT_KINDS`. Segment g has the knots
     knots[knot_start[g]:knot_start[g + 1]], from 0 to 1, and the rows cp[cp_start[g]:cp_start[g + 1]]: x, y, r, weight
     (not multiplied by it). max_error (G,): a bound, see `Segment.max_error`. Pieces: part_start (G + 1,); part_i (P, 4):
     segment, strip, side, kind; part_f (P, 4): t0, t1 and the parameters s0, s1 at them on the strip's right site

@@ -6,7 +6,7 @@ import pytest
 from starlette.datastructures import Headers
 
 from service.errors import RequestError
-from service.keys import ApiKeys, Concurrency, identify, is_open, read_keys
+from service.http.keys import ApiKeys, Concurrency, identify, is_open, read_keys
 
 
 def digest(key: str) -> str:

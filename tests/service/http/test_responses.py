@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from service.responses import InPieces
+from service.http.responses import InPieces
 
 
 @pytest.mark.parametrize("pieces", [(), (b"abc",), (b"abc", b"d" * 1000, b"e")])

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from starlette.requests import Request
 
-from service.bodies import LEAST_RATE, read_body
 from service.errors import RequestError
+from service.http.bodies import LEAST_RATE, read_body
 from service.settings import Settings
 
 LIMIT = 10 * LEAST_RATE

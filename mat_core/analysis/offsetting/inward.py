@@ -28,9 +28,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.analysis.level import Corners, Strips, find_corners, frame, list_strips
-from mat_core.analysis.parallel import Drawn, Stretch, draw_loops, to_curve
-from mat_core.analysis.regions import OffsetEdge, OffsetLoop, OffsetRegion
+from mat_core.analysis.offsetting.level import Corners, Strips, find_corners, frame, list_strips
+from mat_core.analysis.offsetting.parallel import Drawn, Stretch, draw_loops, to_curve
+from mat_core.analysis.offsetting.regions import OffsetEdge, OffsetLoop, OffsetRegion
 from mat_core.axis import MedialAxis
 from mat_core.errors import NotCertified
 from mat_core.kernels.layout import LOOP

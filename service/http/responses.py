@@ -16,9 +16,9 @@ from starlette.requests import ClientDisconnect
 from starlette.routing import Match
 from starlette.types import Receive, Scope, Send
 
-from service import caching, compression
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
-from service.negotiation import accepts_gzip
+from service.http import caching, compression
+from service.http.negotiation import accepts_gzip
 from service.observability.telemetry import note_code
 from service.workers.channel import Pieces
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from mat_core.analysis.inward import InwardOffsets
-from mat_core.analysis.outward import OutwardOffsets
-from mat_core.analysis.regions import Offset
+from mat_core.analysis.offsetting.inward import InwardOffsets
+from mat_core.analysis.offsetting.outward import OutwardOffsets
+from mat_core.analysis.offsetting.regions import Offset
 from mat_core.axis import MedialAxis
 from mat_core.errors import UnsupportedOption
 

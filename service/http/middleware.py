@@ -23,12 +23,12 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.errors import RequestError
-from service.keys import Concurrency, identify, is_open
+from service.http.keys import Concurrency, identify, is_open
+from service.http.responses import problem_response
+from service.http.trace_context import TraceContext
 from service.observability.requests import Watch
 from service.observability.telemetry import current_trace
-from service.responses import problem_response
 from service.settings import KIB, Settings
-from service.trace_context import TraceContext
 
 _log = logging.getLogger("service")
 

@@ -13,11 +13,11 @@ import pytest
 from starlette.testclient import TestClient
 
 from service.app import create_app
-from service.middleware import REQUEST_HEADERS
+from service.http.middleware import REQUEST_HEADERS
 from service.observability.logs import JsonLines
 from service.settings import Settings
+from tests.service.http.test_keys import digest
 from tests.service.test_app import HANDLER, JSON, order, problem, wait_until_ready
-from tests.service.test_keys import digest
 
 PAGE = "https://tools.example"
 
@@ -140,7 +140,7 @@ def test_a_defect_anywhere_is_a_problem_with_its_id(client: TestClient, monkeypa
     def broken(*_: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("service.middleware.identify", broken)
+    monkeypatch.setattr("service.http.middleware.identify", broken)
     response = client.post("/v1/mat", headers={"X-Request-ID": "broken", "Origin": PAGE})
     problem(response, "internal-error")
     assert response.headers["x-request-id"] == "broken"

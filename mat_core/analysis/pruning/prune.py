@@ -29,8 +29,8 @@ from numpy.typing import NDArray
 from mat_core.analysis.bernstein import product, sign_changes
 from mat_core.analysis.inscribed import inscribed_disc
 from mat_core.analysis.intervals import Intervals, intersection, joined
-from mat_core.analysis.peeling import Peeling
-from mat_core.analysis.pruned import PrunedAxis, view
+from mat_core.analysis.pruning.peeling import Peeling
+from mat_core.analysis.pruning.pruned import PrunedAxis, view
 from mat_core.analysis.slopes import slope_intervals, stretches
 from mat_core.analysis.spans import Spans, cut_spans
 from mat_core.axis import MedialAxis

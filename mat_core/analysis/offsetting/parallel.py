@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.analysis.fitting import Fits, fit, join
-from mat_core.analysis.level import parallel
-from mat_core.analysis.parallel_bound import parallel_bound
+from mat_core.analysis.offsetting.level import parallel
+from mat_core.analysis.offsetting.parallel_bound import parallel_bound
 from mat_core.boundary.sites import SiteTable
 from mat_core.errors import NotCertified
 from mat_core.kernels.layout import ARC, EDGE, FAN, K0, KIND, LINE, LOOP, NEXT, SPIRAL, SWEEP

@@ -12,10 +12,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from mat_core.analysis.inward import InwardOffsets
+from mat_core.analysis.offsetting.inward import InwardOffsets
+from mat_core.analysis.offsetting.parallel import Source
+from mat_core.analysis.offsetting.regions import OffsetEdge, OffsetLoop, OffsetRegion
 from mat_core.analysis.outline import edge_dicts
-from mat_core.analysis.parallel import Source
-from mat_core.analysis.regions import OffsetEdge, OffsetLoop, OffsetRegion
 from mat_core.axis import MedialAxis
 from mat_core.errors import InvalidDomain, NotCertified
 from mat_core.model.curve import RationalBSpline

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.analysis.peeling import Cut, Peeling
 from mat_core.analysis.places import discs_inside
+from mat_core.analysis.pruning.peeling import Cut, Peeling
 from mat_core.analysis.spans import stretch
 from mat_core.axis import Footpoint, MedialAxis, Point
 from mat_core.errors import UnsupportedOption

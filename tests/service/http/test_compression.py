@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.compression import MOST_MEMBERS, Expander, compress
 from service.errors import RequestError
+from service.http.compression import MOST_MEMBERS, Expander, compress
 
 LIMIT = 1 << 20
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from mat_core.analysis.offsetting.parallel import Source
 from mat_core.analysis.outline import edge_dicts, measure
-from mat_core.analysis.parallel import Source
 from mat_core.model.curve import RationalBSpline
 from mat_core.model.domain import Domain
 
@@ -25,7 +25,7 @@ class OffsetEdge:
     source : Source
         What it is parallel to.
     max_error : float
-        Bound of the distance from the exact offset, nothing sampled (`mat_core.analysis.parallel_bound`).
+        Bound of the distance from the exact offset, nothing sampled (`mat_core.analysis.offsetting.parallel_bound`).
     """
 
     curve: RationalBSpline

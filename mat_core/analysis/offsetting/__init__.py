@@ -1,0 +1,1 @@
+"""Curves at a distance from the boundary, inward and outward, trimmed by the axis."""

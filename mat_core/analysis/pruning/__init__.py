@@ -1,0 +1,1 @@
+"""Branches that say little cut off, cycles and components kept."""
