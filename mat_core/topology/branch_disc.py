@@ -47,7 +47,7 @@ CONCENTRIC = 1e-6  # a centre this near to that of curvature, relative to its ra
 FOOT_STEPS = 40
 POLISH_STEPS = 6
 STEEP = 0.01  # radii between two contacts, within which phi of one seen from the other loses digits
-PHI_NOISE = 2e-15  # of phi at a contact across the disc, relative, for a disc of radius 1: eight roundings of a coordinate
+PHI_NOISE = 8e-15  # of phi |D|^2 at a contact at D: thirty-two roundings of a coordinate
 BESIDE = 1e-4  # radii between a contact and an end of a site, within which the two look alike from afar
 LEVER = 1e4  # a step this many times what it mends goes where two contacts that nearly are one leave the disc free
 SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
@@ -167,14 +167,17 @@ def _apart_sq(si, sf, cp, i, s, j, sj):
 def tie_beside(si, sf, cp, site, s, w_i, left, sl, right, sr, arc, sj, phi, tie):
     """The relative difference of phi up to which `arc`, touched at sj, ties with the contacts at s on a site, left and right.
 
-    Two contacts at an angle theta around the centre differ by theta x / r in phi when it moves by x along them: those of a corner
-    of 1e-6 rad tie within 1e-11 wherever the disc stands between its ends. So a tie is as much finer as contacts are nearer to
-    each other, down to the rounding of phi.
+    Seen from the site, phi of two contacts differs by theta x when the disc moves by x of its size, theta the share of their
+    distance D from the site by which they are apart: those of a corner of 1e-6 rad tie within 1e-11 wherever the disc stands
+    between its ends. So a tie is as much finer as contacts are nearer to each other, down to the rounding of phi, that of the
+    coordinates over |D|^2.
     """
     j = w_i[arc, 0]
-    apart = _apart_sq(si, sf, cp, site, s, j, sj)
-    apart = min(apart, _apart_sq(si, sf, cp, w_i[left, 0], sl, j, sj), _apart_sq(si, sf, cp, w_i[right, 0], sr, j, sj))
-    return tie * min(max(phi * math.sqrt(apart), PHI_NOISE * phi / tie), 1.0)
+    away = _apart_sq(si, sf, cp, site, s, j, sj)
+    if away == 0.0:
+        return tie
+    apart = min(_apart_sq(si, sf, cp, w_i[left, 0], sl, j, sj), _apart_sq(si, sf, cp, w_i[right, 0], sr, j, sj))
+    return min(max(tie * math.sqrt(apart / away), PHI_NOISE / (phi * away)), tie)
 
 
 @inner

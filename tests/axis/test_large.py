@@ -150,3 +150,9 @@ def test_convex_polygons_pass_on_the_first_rung(n: int, shortest: float, flat: f
         assert leaves == n
         assert branches > 0
         assert cycles == 0
+
+
+def test_regular_polygon_of_65000_passes_on_the_first_rung(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sides beside the one walked along tell their disc by 1e-16 over the square of their distance: that is how they tie."""
+    monkeypatch.setattr(pipeline, "LADDER", pipeline.LADDER[:1])
+    assert counts(solve(ngon(65000)))[0] == 65000
