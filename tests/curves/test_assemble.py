@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from mat_core.axis import SEGMENT_KINDS
+from mat_core.axis.segment import SEGMENT_KINDS
 from tests.curves.shapes import solved
 
 SHAPES = (
