@@ -35,7 +35,7 @@ Curves = Iterable[Iterable["RationalBSpline"]]
 Paths = Iterable["Iterable[RationalBSpline] | Floats"]
 
 DOMAIN_COLOUR, BOUNDARY_COLOUR, DISC_COLOUR, TEXT_COLOUR = "#f3f1ea", "#33343a", "#3a78b4", "#33343a"
-PAPER = '<path fill="#fff" d="M0 0H{w}V{h}H0z"/>'  # so that words can be read on a dark page, too
+PAPER = "background:#fff"  # so that words can be read on a dark page, too
 ROW = 24.0  # pixels, of the explanations under the picture
 LETTER = 7.2  # pixels, about the width of one
 SWATCH = 28.0  # pixels, length of a sample of colour
@@ -146,8 +146,9 @@ class Picture:
         """The picture as an SVG document that needs nothing else."""
         rows, height = self._explanations()
         w, h = f"{self.frame.width:.6g}", f"{self.frame.height + height:.6g}"
-        head = f'<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" role="img">'
-        return "\n".join([head, PAPER.format(w=w, h=h), *self._layers, *rows, "</svg>"]) + "\n"
+        size = f'width="{w}" height="{h}" viewBox="0 0 {w} {h}"'
+        head = f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" style="{PAPER}">'
+        return "\n".join([head, *self._layers, *rows, "</svg>"]) + "\n"
 
     def _repr_svg_(self) -> str:
         """What a notebook shows."""
