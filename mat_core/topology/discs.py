@@ -41,6 +41,8 @@ from mat_core.topology.unite import COORDINATE, arc_noise, find, unite
 
 OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is better by more than rounding
 CHAIN = 4  # pieces between a joint and a contact that is near it
+STRAIGHT = 1e-14  # radians; a joint that turns by less has one normal
+SHARP = 1e16  # of 1 - k r: where a side curves away as fast as this, its foot lies at the joint
 K_LOW = 1.9  # no disc in a domain of size at most 1 has a radius over 1/2
 
 OK, NO_PARTNER, TOO_SMALL, UNCONNECTED, NOT_EULER = range(5)
@@ -63,6 +65,31 @@ def joint_normal(si, sf, j):
         tx /= length
         ty /= length
     return -ty, tx
+
+
+@inner
+def _across(si, sf, j, r):
+    """(bent, nx, ny): inward unit normal of the disc of radius r that touches both sides of a convex joint that is smoothed.
+
+    Seen from its centre the joint lies a and b beyond the two feet, a^2 / (1 - k r) is the same for both sides, and a + b is r
+    times what the joint turns by. The mean normal is that of sides that are curved alike; where one of them is nearly
+    concentric with the disc it is off by half the turn, and the disc along it reaches beyond the boundary. Not bent: there is
+    nothing to choose from, or too little of it to tell.
+    """
+    before = si[j, PREV]
+    if si[j, KIND] == FAN or si[before, KIND] == FAN:
+        return False, 0.0, 0.0
+    turn = sf[before, TX1] * sf[j, TY0] - sf[before, TY1] * sf[j, TX0]
+    if not turn > STRAIGHT:
+        return False, 0.0, 0.0
+    left = math.sqrt(min(max(1.0 - sf[before, K1] * r, 0.0), SHARP))
+    right = math.sqrt(min(max(1.0 - sf[j, K0] * r, 0.0), SHARP))
+    tx = right * sf[before, TX1] + left * sf[j, TX0]
+    ty = right * sf[before, TY1] + left * sf[j, TY0]
+    length = math.sqrt(tx * tx + ty * ty)
+    if length == 0.0:
+        return False, 0.0, 0.0
+    return True, -ty / length, tx / length
 
 
 @inner
@@ -156,6 +183,11 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
             return OK, CURVATURE_LEAF, px + nx / own, py + ny / own, 1.0 / own, -1, 0.0
     if winner < 0:
         return NO_PARTNER, THROUGH, px, py, 0.0, -1, 0.0
+    bent, ax, ay = _across(si, sf, j, 1.0 / phi)
+    if bent:
+        at, touched, at_s = query(si, sf, cp, tree, stack, j, 0.0, ax, ay, before, winner, K_LOW)
+        if touched >= 0:
+            return OK, THROUGH, px + ax / at, py + ay / at, 1.0 / at, touched, at_s
     return OK, THROUGH, px + nx / phi, py + ny / phi, 1.0 / phi, winner, s
 
 
