@@ -38,7 +38,7 @@ from mat_core.kernels.layout import (
     YMAX,
     YMIN,
 )
-from mat_core.topology.discs import K_LOW
+from mat_core.topology.discs import BESIDE, K_LOW
 
 ROOT_STEPS = 120
 ROOT_ROUNDING = 2e-16  # of a parameter
@@ -48,7 +48,6 @@ FOOT_STEPS = 40
 POLISH_STEPS = 6
 STEEP = 0.01  # radii between two contacts, within which phi of one seen from the other loses digits
 PHI_NOISE = 8e-15  # of phi |D|^2 at a contact at D: thirty-two roundings of a coordinate
-BESIDE = 1e-4  # radii between a contact and an end of a site, within which the two look alike from afar
 LEVER = 1e4  # a step this many times what it mends goes where two contacts that nearly are one leave the disc free
 SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
 AS_WIDE = 0.5  # of the distance of the contacts of a disc, which the feet of one that stands for it must keep

@@ -30,11 +30,10 @@ from mat_core.topology.branch_disc import (
     tie_beside,
     touch_arc,
 )
-from mat_core.topology.discs import K_LOW, NO_PARTNER, NOT_EULER, OK, TOO_SMALL
+from mat_core.topology.discs import CLEARLY, K_LOW, NO_PARTNER, NOT_EULER, OK, TOO_SMALL
 from mat_core.topology.faces import link_arcs, list_faces
 from mat_core.topology.split import MANY, find_split, split_face
 
-CLEARLY = 1e-6  # relative difference of curvatures seen across a nearly smooth corner that is no rounding
 CURVED = 8.0  # a curved arc is walked along rather than a straight one this much longer: its partners are better told apart
 
 LINK, SOLVE = 1, 2  # steps of `solve_faces`

@@ -11,6 +11,7 @@ import math
 
 from mat_core.kernels.boxtree import query
 from mat_core.kernels.curve import evaluate
+from mat_core.kernels.disc import touch
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import (
     ARC,
@@ -24,8 +25,8 @@ from mat_core.kernels.layout import (
     K1,
     KIND,
     LOOP,
+    NEXT,
     PREV,
-    SWEEP,
     THROUGH,
     TX0,
     TX1,
@@ -35,11 +36,15 @@ from mat_core.kernels.layout import (
     V1,
     VERTEX_LEAF,
     X0,
+    X1,
     Y0,
+    Y1,
 )
-from mat_core.topology.unite import COORDINATE, arc_noise, find, unite
+from mat_core.topology.unite import COORDINATE, arc_noise
 
 OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is better by more than rounding
+BESIDE = 1e-4  # radii between a contact and an end of a site, within which the two look alike from afar
+CLEARLY = 1e-6  # relative difference of curvatures seen across a nearly smooth corner that is no rounding
 CHAIN = 4  # pieces between a joint and a contact that is near it
 STRAIGHT = 1e-14  # radians; a joint that turns by less has one normal
 SHARP = 1e16  # of 1 - k r: where a side curves away as fast as this, its foot lies at the joint
@@ -140,6 +145,30 @@ def _phi_noise(si, sf, cp, j, winner, s):
 
 
 @inner
+def _past_corner(si, sf, cp, j, nx, ny, winner, s, phi):
+    """(phi, site, s): what the disc at joint j, normal n, touches where its winner, touched at s, ends at a nearly flat corner.
+
+    From afar both sides of such a corner look alike. Seen from the contact on one side, what is known relative to their common
+    vertex tells whether the disc reaches through the other one: then it touches that one, just before the corner.
+    """
+    at_start = s < 0.5
+    other = si[winner, PREV] if at_start else si[winner, NEXT]
+    if si[winner if at_start else other, CORNER] != CONVEX_VERTEX or not 0.0 < s < 1.0 or other == j or other == si[j, PREV]:
+        return phi, winner, s
+    ox = sf[winner, X0] if at_start else sf[winner, X1]
+    oy = sf[winner, Y0] if at_start else sf[winner, Y1]
+    dx, dy, tx, ty, k, speed = evaluate(si, sf, cp, winner, s, ox, oy)
+    if math.sqrt(dx * dx + dy * dy) * phi > BESIDE:
+        return phi, winner, s
+    seen, seen_s = touch(si, sf, cp, other, 0.0, 1.0, ox, oy, dx, dy, -ty, tx)
+    if seen > phi * (1.0 + CLEARLY):
+        value, at = touch(si, sf, cp, other, 0.0, 1.0, sf[j, X0], sf[j, Y0], 0.0, 0.0, nx, ny)
+        if 0.0 < at < 1.0:
+            return value, other, at
+    return phi, winner, s
+
+
+@inner
 def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     """(status, kind, x, y, r, winner, s): the maximal disc at the start of site j.
 
@@ -187,7 +216,8 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     if bent:
         at, touched, at_s = query(si, sf, cp, tree, stack, j, 0.0, ax, ay, before, winner, K_LOW)
         if touched >= 0:
-            return OK, THROUGH, px + ax / at, py + ay / at, 1.0 / at, touched, at_s
+            nx, ny, phi, winner, s = ax, ay, at, touched, at_s
+    phi, winner, s = _past_corner(si, sf, cp, j, nx, ny, winner, s, phi)
     return OK, THROUGH, px + nx / phi, py + ny / phi, 1.0 / phi, winner, s
 
 
@@ -211,100 +241,3 @@ def joint_discs(si, sf, cp, tree, stack, tie, disc, kind, winner, winner_s, firs
         if kind[j] == THROUGH:
             hint = winner[j]
     return OK, -1
-
-
-@inner
-def rightmost(si, sf, cp, first, last):
-    """(x, site, s) of the point with the largest x on the sites first .. last-1: its outward normal is (1, 0).
-
-    On a FAN s is where the normal passes (1, 0); on a piece where the tangent is vertical.
-    """
-    best = -math.inf
-    best_site = -1
-    best_s = 0.0
-    for i in range(first, last):
-        if si[i, KIND] == FAN:
-            # normals turn clockwise by |SWEEP| from that of the start: is (1, 0) among them?
-            turn = math.atan2(sf[i, TX0], -sf[i, TY0])  # from (1, 0) anticlockwise to the first normal
-            s = turn / -sf[i, SWEEP]
-            if -1e-9 <= s <= 1.0 + 1e-9 and sf[i, X0] > best:
-                best = sf[i, X0]
-                best_site = i
-                best_s = min(max(s, 0.0), 1.0)
-            continue
-        if sf[i, X0] > best:
-            best = sf[i, X0]
-            best_site = i
-            best_s = 0.0
-        if sf[i, TX0] * sf[i, TX1] < 0.0:
-            lo = 0.0
-            hi = 1.0
-            for _ in range(60):
-                m = 0.5 * (lo + hi)
-                dx, dy, tx, ty, k, speed = evaluate(si, sf, cp, i, m, 0.0, 0.0)
-                if tx * sf[i, TX0] > 0.0:
-                    lo = m
-                else:
-                    hi = m
-            dx, dy, tx, ty, k, speed = evaluate(si, sf, cp, i, 0.5 * (lo + hi), 0.0, 0.0)
-            if dx > best:
-                best = dx
-                best_site = i
-                best_s = 0.5 * (lo + hi)
-    return best, best_site, best_s
-
-
-@inner
-def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent, right, right_site, extra,
-                  extra_site):
-    """Discs that join loops no joint disc joins; returns (status, how many).
-
-    The disc at the rightmost point of a group of loops lies right of all of them, so it touches another group: after at most one
-    disc a hole all loops are connected. Rows of `extra`: x, y, r, s, s_winner; of `extra_site`: site, winner.
-    """
-    n_loops = loop_start.shape[0] - 1
-    for loop in range(n_loops):
-        loop_parent[loop] = loop
-    for j in range(si.shape[0]):
-        if kind[j] == THROUGH:
-            unite(loop_parent, si[j, LOOP], si[winner[j], LOOP])
-    # the rightmost point of each group stands at its root
-    for loop in range(1, n_loops):
-        x, site, s = rightmost(si, sf, cp, loop_start[loop], loop_start[loop + 1])
-        right[loop, 0] = x
-        right[loop, 1] = s
-        right_site[loop] = site
-    for loop in range(1, n_loops):
-        _keep_rightmost(right, right_site, find(loop_parent, loop), loop)
-    count = 0
-    for group in range(1, n_loops):
-        # until it hangs on a smaller one: in the end all hang on loop 0
-        while find(loop_parent, group) == group:
-            site = right_site[group]
-            s = right[group, 1]
-            px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
-            skip = si[site, PREV] if s == 0.0 else -1
-            phi, w, sw = query(si, sf, cp, tree, stack, site, s, -ty, tx, skip, -1, K_LOW)
-            if w < 0 or find(loop_parent, si[w, LOOP]) == group:
-                return NO_PARTNER, count
-            other = find(loop_parent, si[w, LOOP])
-            unite(loop_parent, group, other)
-            _keep_rightmost(right, right_site, min(group, other), max(group, other))
-            extra[count, 0] = px - ty / phi
-            extra[count, 1] = py + tx / phi
-            extra[count, 2] = 1.0 / phi
-            extra[count, 3] = s
-            extra[count, 4] = sw
-            extra_site[count, 0] = site
-            extra_site[count, 1] = w
-            count += 1
-    return OK, count
-
-
-@inner
-def _keep_rightmost(right, right_site, root, member):
-    """The rightmost point of `member` becomes that of `root` if it lies further right; loop 0 needs none."""
-    if root > 0 and right[member, 0] > right[root, 0]:
-        right[root, 0] = right[member, 0]
-        right[root, 1] = right[member, 1]
-        right_site[root] = right_site[member]

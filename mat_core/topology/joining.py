@@ -15,7 +15,8 @@ from mat_core.kernels.boxtree import fill_tree
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import ARC_CONTACT, THROUGH, X0, Y0
-from mat_core.topology.discs import OK, UNCONNECTED, connect_loops, joint_discs
+from mat_core.topology.connecting import connect_loops
+from mat_core.topology.discs import OK, UNCONNECTED, joint_discs
 from mat_core.topology.faces import cut_arcs
 from mat_core.topology.unite import (
     COORDINATE,
