@@ -48,3 +48,11 @@ def test_a_foot_beside_an_end_is_found_by_the_certificate(tolerance: float) -> N
     domain = next(d for d in REGRESSIONS if d["name"] == "foot-beside-the-end")
     axis = medial_axis(Domain.from_dict(domain), tolerance=tolerance)
     assert axis.certificate["checks"]["curves_on_axis"]["measured"] <= 2e-11
+
+
+def test_a_disc_touches_the_side_of_a_flat_corner_that_it_reaches_first() -> None:
+    domain = next(d for d in REGRESSIONS if d["name"] == "straight-into-nearly-concentric")
+    begun: list[str] = []
+    answer = medial_axis(Domain.from_dict(domain), smooth_angle=0.0, progress=lambda stage, share: begun.append(stage)).to_dict()
+    assert answer["certificate"]["passed"] is True
+    assert begun.count("sites") == 1
