@@ -15,6 +15,7 @@ from mat_core import Domain, medial_axis, pipeline
 Json = dict[str, Any]
 
 ENDS = ("from_dict", "medial_axis", "to_dict", "to_json")  # of the whole; everything else is a stage
+NO_STAGES = ("mat_core.pipeline", "mat_core.threads")  # modules whose functions arrange the stages
 RUNGS = "rungs"  # settings of the tolerances that were tried, not a time
 
 
@@ -27,7 +28,7 @@ class Stages:
         self.depth = 0
         for name, value in list(vars(pipeline).items()):
             own = getattr(value, "__module__", "") or ""
-            if inspect.isfunction(value) and own.startswith("mat_core.") and own != pipeline.__name__:
+            if inspect.isfunction(value) and own.startswith("mat_core.") and own not in NO_STAGES:
                 setattr(pipeline, name, self.timed(name, value))
 
     def timed(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:

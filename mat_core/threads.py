@@ -68,6 +68,8 @@ def cut(n: int) -> list[Bounds]:
 
 def cut_between(begins: NDArray[np.int64], n: int) -> list[Bounds]:
     """Bounds of parts of 0 .. n - 1, of about PART, that begin only at some of the rising places `begins`; the first one is 0."""
+    if n <= PART:
+        return [(0, n)]
     wanted = np.array([begin for begin, _ in cut(n)])
     places = begins[np.minimum(np.searchsorted(begins, wanted), len(begins) - 1)]
     return list(pairwise([*np.unique(places).tolist(), n]))
