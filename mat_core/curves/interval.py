@@ -14,8 +14,9 @@ taken from the middle outwards in pairs, and |.| the norm |(x, y)| + |r|.
 1. |W p_K|: a polynomial of degree d = 2 m + 6 in any direction, so from its values at N Chebyshev points (Ehlich, Zeller,
    Schwankung von Polynomen zwischen Gitterpunkten, Math. Z. 86, 1964):  max |W p_K| <= max_k |W p_K|(x_k) / cos(pi d / 2 N).
 2. |W (h - p_K)|: assumed, as for every function that is analytic around the interval, is that two more terms at a time
-   the corrections D_k = max |W (p_k - p_{k-2})| fall at least as fast as the last two measured did. With their ratio
-   q = D_K / D_{K-2}:    |W (h - p_K)| <= D_K (q + q^2 + ...) = D_K q / (1 - q).
+   the corrections D_k = max |W (p_k - p_{k-2})| fall at least as fast as the last three measured did (p_{-1} = 0). With
+   q = max(D_K / D_{K-2}, sqrt(D_K / D_{K-4})):    |W (h - p_K)| <= D_K (q + q^2 + ...) = D_K q / (1 - q).
+   One ratio alone says little where corrections rise and fall in turn: the last one may be small after a large one by chance.
    q is kept between FAST, what is less may be chance, and SLOW: where corrections are not seen to fall (rounding, a joint
    of the boundary that shows), those to come are taken for nine times the last one in all.
 3. The assumption is tested on every piece. At two more true axis points, near either end where W prod (tau - checks) is large,
@@ -51,6 +52,7 @@ CHEBYSHEV = 0.5 - 0.5 * np.cos(np.pi * (np.arange(48) + 0.5) / 48.0)  # on [0, 1
 TESTED = 1.45  # abscissa of the places where the assumption is tested, relative to the outermost check's
 DOUBTED = 2.0  # times the tolerance: the error of a piece whose bound fails a test, as far as it decides where to end it
 FAST, SLOW = 0.1, 0.9  # range of the ratio of successive corrections
+LEAST_CHECKS = 5  # for 2 nodes: the first of three corrections is the constant itself
 AXIS_ROUNDING = 1e-13  # of axis points (normalised); measured: 5e-14, where both sides have nearly one normal
 
 
@@ -75,12 +77,15 @@ def _bound(scratch: Scratch, m: int) -> tuple[float, float]:
     largest = 0.0
     last = 0.0
     last_but_one = 0.0
+    last_but_two = 0.0
     for point in range(CHEBYSHEV.shape[0]):
         t = CHEBYSHEV[point]
         basis = weight_of(samples, m, t)
         x = basis * misses[0, 0]
         y = basis * misses[0, 1]
         r = basis * misses[0, 2]
+        if n == LEAST_CHECKS:
+            last_but_two = max(last_but_two, math.sqrt(x * x + y * y) + abs(r))
         for k in range(1, n, 2):
             basis *= t - samples[m + k - 1, 0]
             more = basis * (t - samples[m + k, 0])
@@ -95,9 +100,12 @@ def _bound(scratch: Scratch, m: int) -> tuple[float, float]:
                 last = max(last, math.sqrt(dx * dx + dy * dy) + abs(dr))
             elif k == n - 4:
                 last_but_one = max(last_but_one, math.sqrt(dx * dx + dy * dy) + abs(dr))
+            elif k == n - 6:
+                last_but_two = max(last_but_two, math.sqrt(dx * dx + dy * dy) + abs(dr))
         largest = max(largest, math.sqrt(x * x + y * y) + abs(r))
     last_but_one = max(last_but_one, AXIS_ROUNDING)  # what is less says nothing
-    q = min(max(last / last_but_one, FAST), SLOW)
+    last_but_two = max(last_but_two, AXIS_ROUNDING)
+    q = min(max(last / last_but_one, math.sqrt(last / last_but_two), FAST), SLOW)
     last = max(last, FAST * last_but_one)
     rest = last * q / (1.0 - q)
     return largest / math.cos(math.pi * (m + 3.0) / CHEBYSHEV.shape[0]) + rest, rest
