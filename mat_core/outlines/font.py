@@ -63,10 +63,7 @@ def from_font(
         raise UnsupportedOption("characters", f"the font has no {', '.join(map(repr, strange[:LISTED]))}")
     found = Outlines()
     for name in (names[ord(c)] for c in characters):
-        outlines = nested(glyph_loops(glyphs, name), "nonzero")
-        parts = outlines.domains
-        found.domains.extend({"name": f"{name}#{i}" if len(parts) > 1 else name, **d} for i, d in enumerate(parts))
-        found.left_out.extend(f"{name}: {text}" for text in outlines.left_out)
+        found.add(name, nested(glyph_loops(glyphs, name), "nonzero"))
     return found
 
 

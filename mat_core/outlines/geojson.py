@@ -13,7 +13,8 @@ from typing import Any
 
 from mat_core.errors import UnreadableInput
 from mat_core.outlines.nesting import Json, Outlines
-from mat_core.outlines.pen import Loop, bezier
+from mat_core.outlines.pen import Loop
+from mat_core.outlines.shapes import polygon
 
 PARTS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 FEWEST = 3
@@ -105,4 +106,4 @@ def _loop(ring: Any, pointer: str) -> Loop:
         points.pop()
     if len(points) < FEWEST:
         raise UnreadableInput(f"{pointer} is a ring of {len(points)} different points, which encloses nothing; give at least 3")
-    return [bezier(pair) for pair in zip(points, [*points[1:], points[0]], strict=True)]
+    return polygon(points)

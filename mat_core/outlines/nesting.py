@@ -42,6 +42,12 @@ class Outlines:
     domains: list[Json] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
 
+    def add(self, name: str, outlines: Outlines) -> None:
+        """Take in what something of this name gave: its domains as `name`, or `name#i` where they are several."""
+        several = len(outlines.domains) > 1
+        self.domains.extend({"name": f"{name}#{i}" if several else name, **d} for i, d in enumerate(outlines.domains))
+        self.left_out.extend(f"{name}: {text}" for text in outlines.left_out)
+
 
 def nested(loops: Sequence[Loop], rule: Rule = "evenodd") -> Outlines:
     """Every outer loop with its holes.

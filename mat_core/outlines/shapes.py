@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from mat_core.errors import UnsupportedOption
+from mat_core.outlines.pen import QUARTER, Edge, bezier
 
-Edge = dict[str, Any]
 Point = Sequence[float]
 
-QUARTER = 0.5 * math.pi
 STRAIGHT = 1e-9  # radians: a corner that turns by less has nothing to round
 
 
@@ -54,7 +53,7 @@ def polygon(points: Sequence[Point], rounding: float = 0.0) -> list[Edge]:
         if corner.end != corner.start:
             loop.append(_arc(corner.start, corners[i], corner.end, corner.turn))
         if taken < side * (1.0 - STRAIGHT):
-            loop.append({"degree": 1, "control_points": [list(corner.end), list(after.start)]})
+            loop.append(bezier([corner.end, after.start]))
     return loop
 
 
@@ -87,7 +86,7 @@ def circle(center: Point, radius: float) -> list[Edge]:
 
 def _arc(start: Point, pole: Point, end: Point, turn: float) -> Edge:
     """An arc that turns by less than half a turn; its tangents at both ends meet in the pole."""
-    return {"degree": 2, "control_points": [list(start), list(pole), list(end)], "weights": [1.0, math.cos(0.5 * turn), 1.0]}
+    return bezier([start, pole, end], [1.0, math.cos(0.5 * turn), 1.0])
 
 
 class _Corner(NamedTuple):

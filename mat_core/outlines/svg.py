@@ -13,7 +13,7 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from mat_core.errors import UnreadableInput
-from mat_core.outlines.nesting import Json, Outlines, Rule, nested
+from mat_core.outlines.nesting import Outlines, Rule, nested
 from mat_core.outlines.pen import Affine
 from mat_core.outlines.svg_path import path_loops
 
@@ -136,10 +136,7 @@ class _Reader:
                 self.found.left_out.append(f"{name}: stroked, not filled; turn the stroke into a path first")
             return
         rule: Rule = "evenodd" if style.rule == "evenodd" else "nonzero"
-        outlines = nested(path_loops(path_data(tag, element.attrib), style.affine), rule)
-        parts: list[Json] = outlines.domains
-        self.found.domains.extend({"name": f"{name}#{i}" if len(parts) > 1 else name, **d} for i, d in enumerate(parts))
-        self.found.left_out.extend(f"{name}: {text}" for text in outlines.left_out)
+        self.found.add(name, nested(path_loops(path_data(tag, element.attrib), style.affine), rule))
 
 
 def path_data(tag: str, attributes: Mapping[str, str]) -> str:
