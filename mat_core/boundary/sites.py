@@ -286,14 +286,32 @@ def _fill_fan(site, before, after, turn, si, sf):
 
 
 @inner
-def _smooth_limit(sf, before, after, smooth_angle, rounding):
-    """The angle up to which the convex joint of two pieces is smooth.
+def _bezier_length(si, sf, base, n, p, step):
+    """Length from one end of site base + p on, in steps of 1 or -1, of the Bezier it is cut from: that is what its tangent is of."""
+    length = sf[base + p, LEN]
+    for k in range(1, n):
+        a = base + (p + (k - 1) * step) % n
+        b = base + (p + k * step) % n
+        joined = sf[a, UB] == sf[b, UA] if step > 0 else sf[a, UA] == sf[b, UB]
+        if si[a, EDGE] != si[b, EDGE] or si[a, SPAN] != si[b, SPAN] or not joined:
+            break
+        length += sf[b, LEN]
+    return length
+
+
+@inner
+def _smooth_limit(si, sf, base, n, before, after, smooth_angle, rounding):
+    """The angle up to which the convex joint of two of the n pieces of a loop is smooth.
 
     Two tiny pieces that meet at a convex angle may be how a curve bends: a disc at one joint would touch what lies beyond the
-    next one, as if there were no corner between. So the angle has to be small for the length of both, or their rounding.
+    next one, as if there were no corner between. So the angle has to be small for the length of both, or the rounding of the
+    curves they are cut from.
     """
-    length = min(sf[before, LEN], sf[after, LEN])
-    return min(smooth_angle, max(SLIGHT_BEND * length, UNCERTAIN * rounding / length))
+    slight = SLIGHT_BEND * min(sf[base + before, LEN], sf[base + after, LEN])
+    if slight >= smooth_angle:
+        return smooth_angle
+    whole = min(_bezier_length(si, sf, base, n, before, -1), _bezier_length(si, sf, base, n, after, 1))
+    return min(smooth_angle, max(slight, UNCERTAIN * rounding / whole))
 
 
 @inner
@@ -341,7 +359,7 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_bac
                     turn = turn if turn > 0.0 else turn + 2.0 * math.pi
                 else:
                     turn = turn if turn < 0.0 else turn - 2.0 * math.pi
-            elif -bent <= turn <= _smooth_limit(sf, a, b, smooth_angle, rounding) or (same_bezier and abs(turn) < 0.1):
+            elif -bent <= turn <= _smooth_limit(si, sf, base, n, a - base, b - base, smooth_angle, rounding) or (same_bezier and abs(turn) < 0.1):
                 turn = 0.0
             # a curvature that grows without bound towards its end is a leaf of radius 0 there, like a convex corner
             if turn > 0.0 or sf[b, K0] == math.inf or (turn == 0.0 and sf[a, K1] == math.inf):

@@ -208,8 +208,10 @@ def joint_disc(si, sf, cp, tree, stack, j, hint, tie, disc, whole):
     if own >= max(phi * (1.0 - OWN_RELATIVE) - noise, K_LOW) and not elsewhere:
         grows = (left and _grows(kl, sf[before, K0])) or (right and _grows(kr, sf[j, K1]))
         if not grows or winner < 0:
-            nx, ny = own_normal(si, sf, j, right)
-            return OK, CURVATURE_LEAF, px + nx / own, py + ny / own, 1.0 / own, -1, 0.0
+            nx, ny = own_normal(si, sf, j, arcs & 1 if arcs > 0 else right)
+            # an arc so short that its other end ties but for rounding is in contact whole all the same
+            kind = ARC_CONTACT if arcs > 0 else CURVATURE_LEAF
+            return OK, kind, px + nx / own, py + ny / own, 1.0 / own, arcs if arcs > 0 else -1, 0.0
     if winner < 0:
         return NO_PARTNER, THROUGH, px, py, 0.0, -1, 0.0
     bent, ax, ay = _across(si, sf, j, 1.0 / phi)
