@@ -90,6 +90,7 @@ from mat_core.tolerances import Tolerances
 KINK = 32.0  # roundings by which a joint may turn, radians, without anything being meant by it
 BENT_BACK = 1e-9  # radians by which a reflex joint may turn and be smooth: no branch runs into it, so nothing is gained by more
 SLIGHT_BEND = 0.01  # of a convex joint over the length of a piece beside it: no disc is bent so little by a hundred times
+SAME_BEZIER = 0.1  # radians; a Bezier turns by less where it is cut, but at a cusp
 UNCERTAIN = 2.0  # roundings over its length by which the tangent of a piece may be wrong
 SAME_CURVATURE = 1e-12  # relative difference of the curvatures at both ends of a spiral below which it may be a circular arc
 FROM_CIRCLE = 1e-16  # distance from that arc, normalised, which is rounding
@@ -287,7 +288,7 @@ def _fill_fan(site, before, after, turn, si, sf):
 
 @inner
 def _bezier_length(si, sf, base, n, p, step):
-    """Length from one end of site base + p on, in steps of 1 or -1, of the Bezier it is cut from: that is what its tangent is of."""
+    """Length of the Bezier that site base + p is cut from, from one end of the site on, in steps of 1 or -1."""
     length = sf[base + p, LEN]
     for k in range(1, n):
         a = base + (p + (k - 1) * step) % n
@@ -329,13 +330,33 @@ def _is_peak(sf, a, b):
     return min(sf[a, K1], sf[b, K0]) > 0.0 and sf[a, K1] >= sf[a, K0] and sf[b, K0] >= sf[b, K1]
 
 
-@jit
-def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back, rounding, si, sf, turns, loop_start):
-    """Step 3: all loops. `si`, `sf` have room for twice the pieces; returns the number of sites.
+@inner
+def _turn(si, sf, cp, base, n, p, smooth_angle, bent_back, rounding):
+    """By how much the boundary turns where site base + p of a loop of n begins, radians; 0 where that is smooth.
 
     A convex joint that turns by no more than `_smooth_limit` is smooth, a reflex one by no more than `bent_back`: a fan has all
     of its normals, and the disc of their mean would be off by radius times angle. But for one leaf a fan would make two.
     """
+    a = base + (p if p > 0 else n) - 1
+    b = base + p
+    turn = math.atan2(sf[a, TX1] * sf[b, TY0] - sf[a, TY1] * sf[b, TX0], sf[a, TX1] * sf[b, TX0] + sf[a, TY1] * sf[b, TY0])
+    if math.pi - abs(turn) < CUSP_ANGLE:
+        # the curves tell the side, the angle keeps its digits: a fan ends at the next piece's own normal
+        if cusp_is_convex(si, sf, cp, a, b):
+            return turn if turn > 0.0 else turn + 2.0 * math.pi
+        return turn if turn < 0.0 else turn - 2.0 * math.pi
+    if n > 1 and abs(turn) < SAME_BEZIER and si[a, EDGE] == si[b, EDGE] and si[a, SPAN] == si[b, SPAN] and sf[a, UB] == sf[b, UA]:
+        return 0.0
+    if turn < 0.0:
+        smooth = -turn <= (smooth_angle if _is_peak(sf, a, b) else bent_back)
+    else:
+        smooth = turn <= _smooth_limit(si, sf, base, n, a - base, p, smooth_angle, rounding)
+    return 0.0 if smooth else turn
+
+
+@jit
+def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back, rounding, si, sf, turns, loop_start):
+    """Step 3: all loops. `si`, `sf` have room for twice the pieces; returns the number of sites."""
     count = 0
     loop_start[0] = 0
     for loop in range(piece_loop_start.shape[0] - 1):
@@ -349,18 +370,7 @@ def _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_bac
         for p in range(n):
             a = base + (p if p > 0 else n) - 1
             b = base + p
-            turn = math.atan2(sf[a, TX1] * sf[b, TY0] - sf[a, TY1] * sf[b, TX0],
-                              sf[a, TX1] * sf[b, TX0] + sf[a, TY1] * sf[b, TY0])
-            bent = smooth_angle if _is_peak(sf, a, b) else bent_back
-            same_bezier = n > 1 and si[a, EDGE] == si[b, EDGE] and si[a, SPAN] == si[b, SPAN] and sf[a, UB] == sf[b, UA]
-            if math.pi - abs(turn) < CUSP_ANGLE:
-                # the curves tell the side, the angle keeps its digits: a fan ends at the next piece's own normal
-                if cusp_is_convex(si, sf, cp, a, b):
-                    turn = turn if turn > 0.0 else turn + 2.0 * math.pi
-                else:
-                    turn = turn if turn < 0.0 else turn - 2.0 * math.pi
-            elif -bent <= turn <= _smooth_limit(si, sf, base, n, a - base, b - base, smooth_angle, rounding) or (same_bezier and abs(turn) < 0.1):
-                turn = 0.0
+            turn = _turn(si, sf, cp, base, n, p, smooth_angle, bent_back, rounding)
             # a curvature that grows without bound towards its end is a leaf of radius 0 there, like a convex corner
             if turn > 0.0 or sf[b, K0] == math.inf or (turn == 0.0 and sf[a, K1] == math.inf):
                 si[b, CORNER] = CONVEX_VERTEX
