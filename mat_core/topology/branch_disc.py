@@ -311,13 +311,15 @@ def _foot(si, sf, cp, i, s, lo, hi, cx, cy):
             a = s
         speed = x1 * x1 + y1 * y1
         slope = speed + x * x2 + y * y2
-        if abs(slope) < CONCENTRIC * speed:
+        if abs(slope) < CONCENTRIC * speed and abs(g) < CONCENTRIC * speed:
             break
         new = s - g / slope if slope > 0.0 else 0.5 * (a + b)
+        if abs(new - s) <= ROOT_ROUNDING:
+            break
         if not a < new < b:
             new = 0.5 * (a + b)
-        if abs(new - s) <= 1e-16 or not a < new < b:
-            break
+            if not a < new < b:
+                break
         s = new
     return s
 
