@@ -41,6 +41,7 @@ ROWS = MAX_DEGREE + 1  # control points kept for a piece
 SAMPLE_ROWS = 2 * (MAX_DEGREE - 3) + 4
 SPARE_MISS = MAX_DEGREE  # row of misses that is no check's
 
+LEAST_PART = 1e-11  # an interval's part in one of several strips that is shorter has no parameters of its own in a segment
 MIN_HALF = 0.02  # tau half way in s, from either end; a sample nearer says little about the other half
 
 
@@ -143,6 +144,10 @@ def plan(track: Track, scratch: Scratch, spare: int) -> bool:
     last = int(ends[1, I_ROW])
     even = True
     before = 0.0
+    length = 0.0
+    for c in range(I_X, I_X + 3):
+        length = max(length, abs(ends[1, c] - ends[0, c]))
+    least = LEAST_PART if last > first else 0.0
     for w in range(first, last + 1):
         s0 = ends[0, I_S] if w == first else track.way_f[w, WAY_S0]
         s1 = ends[1, I_S] if w == last else track.way_f[w, WAY_S1]
@@ -152,7 +157,7 @@ def plan(track: Track, scratch: Scratch, spare: int) -> bool:
             after = along(ends, track.disc[d, 0], track.disc[d, 1], track.disc[d, 2])
         sample(track, scratch, w, 0.5 * (s0 + s1), spare)
         half = (samples[spare, 0] - before) / (after - before)
-        if not MIN_HALF < half < 1.0 - MIN_HALF or not after > before:
+        if not MIN_HALF < half < 1.0 - MIN_HALF or not (after - before) * length > least:
             even = False
         steps[w - first, PLAN_T] = before
         steps[w - first, PLAN_HALF] = half
