@@ -304,15 +304,14 @@ def _bezier_length(si, sf, base, n, p, step):
 def _smooth_limit(si, sf, base, n, before, after, smooth_angle, rounding):
     """The angle up to which the convex joint of two of the n pieces of a loop is smooth.
 
-    Two tiny pieces that meet at a convex angle may be how a curve bends: a disc at one joint would touch what lies beyond the
-    next one, as if there were no corner between. So the angle has to be small for the length of both, or the rounding of the
-    curves they are cut from.
+    Two tiny sides that meet at a convex angle may be how a curve bends: a disc at one joint would touch what lies beyond the
+    next one, as if there were no corner between. So the angle has to be small for the length of both, or their rounding. Sides
+    are as long as the Beziers that the pieces are cut from: a noisy one may have a piece of 1e-9 at its end.
     """
-    slight = SLIGHT_BEND * min(sf[base + before, LEN], sf[base + after, LEN])
-    if slight >= smooth_angle:
+    if SLIGHT_BEND * min(sf[base + before, LEN], sf[base + after, LEN]) >= smooth_angle:
         return smooth_angle
-    whole = min(_bezier_length(si, sf, base, n, before, -1), _bezier_length(si, sf, base, n, after, 1))
-    return min(smooth_angle, max(slight, UNCERTAIN * rounding / whole))
+    length = min(_bezier_length(si, sf, base, n, before, -1), _bezier_length(si, sf, base, n, after, 1))
+    return min(smooth_angle, max(SLIGHT_BEND * length, UNCERTAIN * rounding / length))
 
 
 @inner
