@@ -18,9 +18,9 @@ from mat_core.kernels.layout import ARC_CONTACT, THROUGH, X0, Y0
 from mat_core.topology.connecting import connect_loops
 from mat_core.topology.discs import OK, UNCONNECTED, joint_discs
 from mat_core.topology.faces import cut_arcs
+from mat_core.topology.interleaving import contact_angle
 from mat_core.topology.unite import (
     COORDINATE,
-    contact_angle,
     find,
     group_contacts,
     kink,
