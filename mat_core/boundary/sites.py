@@ -324,9 +324,16 @@ def _move_site(source, target, si, sf):
 
 
 @inner
-def _is_peak(sf, a, b):
-    """Whether the curvature is positive and highest where piece a ends and piece b begins."""
-    return min(sf[a, K1], sf[b, K0]) > 0.0 and sf[a, K1] >= sf[a, K0] and sf[b, K0] >= sf[b, K1]
+def _has_two_leaves(si, sf, a, b, bend):
+    """Whether the curvature is positive and highest at the reflex joint of pieces a and b, so that its fan would part one leaf.
+
+    The osculating disc of the side that is curved less meets the other one 2 bend / (difference of curvatures) from the joint:
+    along an arc that is longer than that there is one leaf, the arc's.
+    """
+    if not (min(sf[a, K1], sf[b, K0]) > 0.0 and sf[a, K1] >= sf[a, K0] and sf[b, K0] >= sf[b, K1]):
+        return False
+    sharper = a if sf[a, K1] > sf[b, K0] else b
+    return si[sharper, KIND] != ARC or 2.0 * bend >= abs(sf[a, K1] - sf[b, K0]) * sf[sharper, LEN]
 
 
 @inner
@@ -347,7 +354,7 @@ def _turn(si, sf, cp, base, n, p, smooth_angle, bent_back, rounding):
     if n > 1 and abs(turn) < SAME_BEZIER and si[a, EDGE] == si[b, EDGE] and si[a, SPAN] == si[b, SPAN] and sf[a, UB] == sf[b, UA]:
         return 0.0
     if turn < 0.0:
-        smooth = -turn <= (smooth_angle if _is_peak(sf, a, b) else bent_back)
+        smooth = -turn <= (smooth_angle if _has_two_leaves(si, sf, a, b, -turn) else bent_back)
     else:
         smooth = turn <= _smooth_limit(si, sf, base, n, a - base, p, smooth_angle, rounding)
     return 0.0 if smooth else turn
