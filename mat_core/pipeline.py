@@ -176,8 +176,7 @@ def _finish(
     axis = build_axis(domain, table, skeleton, graph, tolerance, step, threads)
     _begin(progress, "certificate")
     certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain, threads=threads)
-    certificate["smooth_angle"] = table.smooth_angle
-    if not certificate["passed"]:
+    if not certificate.passed:
         name, check = next((name, check) for name, check in certificate["checks"].items() if not check["passed"])
         place = tuple(check["place"]) if check.get("place") else None
         raise NotCertified(f"{name}: {check['detail']}", place, certificate)

@@ -61,12 +61,11 @@ def owned(k, m):
 
 
 @inner
-def list_owned(k, first, order, spare, key):
-    """Sort all owned intervals by site and along it: those of site i are order[first[i]:first[i + 1]].
+def list_owned(k, sites, first, order, spare, key):
+    """Sort all owned intervals by site and along it: those of site i are order[first[i]:first[i + 1]]; `first` (sites + 1,).
 
     By the middle, so that ends that differ by rounding do not change the order.
     """
-    sites = first.shape[0] - 1
     for i in range(sites + 1):
         first[i] = 0
     for m in range(order.shape[0]):
