@@ -24,8 +24,9 @@ from mat_core.errors import NotCertified, UnsupportedOption
 from mat_core.model.domain import Domain
 from mat_core.threads import threads_allowed
 from mat_core.tolerances import LADDER, Tolerances
+from mat_core.topology.building import build_skeleton
 from mat_core.topology.graph import AxisGraph, build_graph
-from mat_core.topology.skeleton import Skeleton, build_skeleton
+from mat_core.topology.skeleton import Skeleton
 from mat_core.tracing.march import march
 
 TOLERANCE_RANGE = (1e-12, 1e-1)

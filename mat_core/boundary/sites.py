@@ -115,7 +115,7 @@ class SiteTable(NamedTuple):
 
 @jit
 def _count_beziers(degree, cp_start):
-    """What step 1 needs room for: (Beziers, their control points, most of one edge, control points of an edge, highest degree)."""
+    """What step 1 needs room for: (Beziers, their control points; most of one edge, most that one is given, highest degree)."""
     beziers = points = most_of_edge = longest = highest = 0
     for edge in range(degree.shape[0]):
         d = degree[edge]
@@ -136,8 +136,8 @@ def _cut_edges(
 ):
     """Steps 1 and 2; returns (pieces, rows of cp), pieces = -1 if a buffer is too small."""
     noise = 4.0 * rounding
-    used = _collect_beziers(degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, noise, span_cp,
-                            breaks, bez_i, bez_u, cp, bez_loop_start)
+    used = _collect_beziers(degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, noise,
+                            span_cp, breaks, bez_i, bez_u, cp, bez_loop_start)
     return cut_beziers(bez_i, bez_u, bez_loop_start, cp, used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
                        bounds, roots)
 

@@ -73,9 +73,9 @@ NUMBERS = 10
 class Boxes(NamedTuple):
     """The tree of boxes over the sites, and the room that walking it and looking at pieces takes.
 
-    order (n,), box (2 n, 6): see `fill_boxes`. walk (2, JUDGE_STACK): a stack, and leaves that are near. work (JUDGE_ROWS, 2 d + 3)
-    and binomial (2 d + 1, 2 d + 1), Pascal's triangle, for pieces of degree up to d = HIGHEST_DEGREE. points: rows for de Boor's
-    triangle; probe (PROBES, 5): discs.
+    order (n,), box (2 n, 6): see `fill_boxes`. walk (2, JUDGE_STACK): a stack, and leaves that are near. work (JUDGE_ROWS,
+    2 d + 3) and binomial (2 d + 1, 2 d + 1), Pascal's triangle, for pieces of degree up to d = HIGHEST_DEGREE. points: rows for
+    de Boor's triangle; probe (PROBES, 5): discs.
     """
 
     order: Ints
@@ -90,9 +90,9 @@ class Boxes(NamedTuple):
 class Room(NamedTuple):
     """Numbers of all sites, intervals, discs, strips or nodes, filled and read by the checks of STRUCTURE.
 
-    turn (n,): at each smooth joint. key (I,) and intervals (2, I): of owned intervals, I = 2 S + W; their order, and room to sort.
-    numbers (NUMBERS, m): FIRST interval of each site; LABEL, DEGREE, WHOLES, NODES_AT of discs, USES of strips, RANK and INCIDENCE
-    of nodes; PART_OF and RUN_OF of strips, where their curves begin.
+    turn (n,): at each smooth joint. key (I,), intervals (2, I): of owned intervals, I = 2 S + W; their order, and room to sort.
+    numbers (NUMBERS, m): FIRST interval of each site; LABEL, DEGREE, WHOLES, NODES_AT of discs, USES of strips, RANK and
+    INCIDENCE of nodes; PART_OF and RUN_OF of strips, where their curves begin.
     """
 
     turn: Floats
@@ -105,8 +105,8 @@ class Room(NamedTuple):
 def judge(steps, t, e, ox, oy, scale, size, tolerance, k, g, c, boxes, room, granted, curves, begin, end, figures):
     """STRUCTURE, all checks but those of PLACES; these, for discs and strips begin .. end - 1; CONCLUDE the figures.
 
-    The sum of some steps takes one after the other, so that a small domain needs one call. STRUCTURE fills the boxes and `granted`
-    for each disc. curves: SOUND or UNFIT, for PLACES without STRUCTURE. Returns (SOUND, UNFIT or DANGLING; 1 if all is well).
+    A sum of steps takes one after the other, so that a small domain needs one call. STRUCTURE fills the boxes and `granted` for
+    each disc. curves: SOUND or UNFIT, for PLACES without STRUCTURE. Returns (SOUND, UNFIT or DANGLING; 1 if all is well).
     """
     t, e, k, g, c = Boundary(*t), Edges(*e), Discs(*k), Network(*g), Curves(*c)
     boxes, room = Boxes(*boxes), Room(*room)

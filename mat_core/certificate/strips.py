@@ -39,7 +39,7 @@ SAMPLES = (0.057, 0.281, 0.473, 0.726, 0.894)  # of a piece; at places of no sym
 SAME_DISC = 1e-9  # a strip between discs nearer than this has no inside to look at
 NO_SIDE = 1e-11  # nor is there anything to start from on a side shorter than this, unless both are
 
-# rows of the probes: samples of a piece, then the discs found anew; columns: the disc, its foot, how far it is from touching there
+# rows of the probes: samples of a piece, then the discs found anew; columns: disc, its foot, how far it is from touching there
 PROBES = len(SAMPLES) + len(ANEW)
 PARTNERS = len(SAMPLES)
 X, Y, R, FOOT, OFF = range(5)
