@@ -24,8 +24,9 @@ from mat_core.errors import NotCertified, UnsupportedOption
 from mat_core.model.domain import Domain
 from mat_core.threads import threads_allowed
 from mat_core.tolerances import LADDER, Tolerances
+from mat_core.topology.building import build_skeleton
 from mat_core.topology.graph import AxisGraph, build_graph
-from mat_core.topology.skeleton import Skeleton, build_skeleton
+from mat_core.topology.skeleton import Skeleton
 from mat_core.tracing.march import march
 
 TOLERANCE_RANGE = (1e-12, 1e-1)
@@ -176,8 +177,7 @@ def _finish(
     axis = build_axis(domain, table, skeleton, graph, tolerance, step, threads)
     _begin(progress, "certificate")
     certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain, threads=threads)
-    certificate["smooth_angle"] = table.smooth_angle
-    if not certificate["passed"]:
+    if not certificate.passed:
         name, check = next((name, check) for name, check in certificate["checks"].items() if not check["passed"])
         place = tuple(check["place"]) if check.get("place") else None
         raise NotCertified(f"{name}: {check['detail']}", place, certificate)

@@ -18,8 +18,8 @@ from mat_core.curves.assemble import build_axis
 from mat_core.model.containment import inside_domain
 from mat_core.model.domain import Domain
 from mat_core.tolerances import LADDER
+from mat_core.topology.building import build_skeleton
 from mat_core.topology.graph import build_graph
-from mat_core.topology.skeleton import build_skeleton
 
 STAGES = ("validation", "sites", "skeleton", "graph", "curves", "certificate", "footpoints")
 

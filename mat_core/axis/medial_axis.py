@@ -66,7 +66,7 @@ class MedialAxis:
 
     def with_certificate(self, certificate: Mapping[str, Any]) -> MedialAxis:
         """The same axis with its certificate attached."""
-        return replace(self, certificate=dict(certificate))
+        return replace(self, certificate=certificate)
 
     # Views -------------------------------------------------------------------------------------------------------
     @cached_property

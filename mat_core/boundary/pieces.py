@@ -13,7 +13,7 @@ from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvatu
 from mat_core.boundary.joints import end_frame
 from mat_core.kernels.bezier import balance, restrict
 from mat_core.kernels.curve import bezier_frame
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
 
 # columns of the tables of pieces
@@ -325,7 +325,7 @@ def _is_uneven(cp, c0, deg):
     return high > UNEVEN * low
 
 
-@jit
+@inner
 def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
                 bounds, roots):
     """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_u`: ua, ub, skew) into pieces, in loop order.

@@ -114,11 +114,40 @@ class SiteTable(NamedTuple):
 
 
 @jit
+def _count_beziers(degree, cp_start):
+    """What step 1 needs room for: (Beziers, their control points; most of one edge, most that one is given, highest degree)."""
+    beziers = points = most_of_edge = longest = highest = 0
+    for edge in range(degree.shape[0]):
+        d = degree[edge]
+        given = cp_start[edge + 1] - cp_start[edge]
+        spans = max(given - d, 1)
+        beziers += spans
+        points += spans * (d + 1)
+        most_of_edge = max(most_of_edge, given * (d + 1))
+        longest = max(longest, given)
+        highest = max(highest, d)
+    return beziers, points, most_of_edge, longest, highest
+
+
+@jit
+def _cut_edges(
+    degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding, span_cp, breaks, bez_i,
+    bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds, roots,
+):
+    """Steps 1 and 2; returns (pieces, rows of cp), pieces = -1 if a buffer is too small."""
+    noise = 4.0 * rounding
+    used = _collect_beziers(degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, noise,
+                            span_cp, breaks, bez_i, bez_u, cp, bez_loop_start)
+    return cut_beziers(bez_i, bez_u, bez_loop_start, cp, used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
+                       bounds, roots)
+
+
+@inner
 def _collect_beziers(
     degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding,
     span_cp, breaks, bez_i, bez_u, cp, bez_loop_start,
 ):
-    """Step 1: fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub, skew), cp; returns (Beziers, rows of cp)."""
+    """Step 1: fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub, skew), cp; returns the rows of cp."""
     count = 0
     used = 0
     bez_loop_start[0] = 0
@@ -164,7 +193,7 @@ def _collect_beziers(
             cp[end, 0] = cp[bez_i[after, 1], 0]
             cp[end, 1] = cp[bez_i[after, 1], 1]
         bez_loop_start[loop + 1] = count
-    return count, used
+    return used
 
 
 @inner
@@ -423,48 +452,31 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     """
     a = domain.arrays
     xmin, ymin, xmax, ymax = domain.bbox
-    origin = np.array([0.5 * (xmin + xmax), 0.5 * (ymin + ymax)])
+    origin = np.array((0.5 * (xmin + xmax), 0.5 * (ymin + ymax)))
     scale = 2.0 ** -math.frexp(max(xmax - xmin, ymax - ymin))[1]
     magnitude = max(abs(xmin), abs(xmax), abs(ymin), abs(ymax)) * scale
     rounding = tolerances.rounding * max(1.0, magnitude)
     smooth_angle = max(smooth_angle, KINK * rounding)
 
-    spans = np.maximum(np.diff(a.cp_start) - a.degree, 1)
-    most = int(np.max(np.diff(a.cp_start) * (a.degree + 1)))
-    n_spans = int(spans.sum())
-    cp = np.empty((int((spans * (a.degree + 1)).sum()), 3))
-    bez_i = np.empty((n_spans, 5), dtype=np.int64)
-    bez_u = np.empty((n_spans, 3))
-    bez_loop_start = np.empty(len(a.loop_start), dtype=np.int64)
-    span_cp = np.empty((most, 3))
-    breaks = np.empty(int(np.max(np.diff(a.cp_start))) + 2)
-    n_bez, used = _collect_beziers(
-        a.degree, a.cp_start, a.cp, a.knot_start, a.knots, a.loop_start, a.reversed, origin[0], origin[1], scale,
-        4.0 * rounding, span_cp, breaks, bez_i, bez_u, cp, bez_loop_start)
-
-    width = scratch_width(int(a.degree.max()))
-    table = np.empty((SCRATCH_ROWS, width))
-    work = np.empty((MAX_DEPTH + 2, width))
-    bounds = np.empty((MAX_DEPTH + 2, 2))
-    roots = np.empty(width)
-    room = 4
-    while True:
-        grown = np.empty((used * room + 256, 3))
-        grown[:used] = cp[:used]
-        pieces_i = np.empty((n_bez * room + 16, PI_WIDTH), dtype=np.int64)
-        pieces_f = np.empty((n_bez * room + 16, PF_WIDTH))
-        piece_loop_start = np.zeros(len(a.loop_start), dtype=np.int64)
-        n_pieces, rows = cut_beziers(
-            bez_i, bez_u, bez_loop_start, grown, used, pieces_i, pieces_f, piece_loop_start, rounding, 4.0 * rounding,
-            table, work, bounds, roots)
-        if n_pieces >= 0:
-            break
+    loops = len(a.loop_start)
+    beziers, points, most_of_edge, longest, highest = _count_beziers(a.degree, a.cp_start)
+    width = scratch_width(highest)
+    span_cp, breaks = np.empty((most_of_edge, 3)), np.empty(longest + 2)
+    bez_i, bez_u, bez_loop_start = np.empty((beziers, 5), dtype=np.int64), np.empty((beziers, 3)), np.empty(loops, dtype=np.int64)
+    table, work = np.empty((SCRATCH_ROWS, width)), np.empty((MAX_DEPTH + 2, width))
+    bounds, roots = np.empty((MAX_DEPTH + 2, 2)), np.empty(width)
+    piece_loop_start = np.empty(loops, dtype=np.int64)
+    room, n_pieces = 1, -1
+    while n_pieces < 0:
         room *= 4
-    si = np.zeros((2 * n_pieces, SI_WIDTH), dtype=np.int64)
-    sf = np.zeros((2 * n_pieces, SF_WIDTH))
-    turns = np.empty(n_pieces)
-    loop_start = np.empty(len(a.loop_start), dtype=np.int64)
+        cp = np.empty((points * room + 256, 3))
+        pieces_i, pieces_f = np.empty((beziers * room + 16, PI_WIDTH), dtype=np.int64), np.empty((beziers * room + 16, PF_WIDTH))
+        n_pieces, rows = _cut_edges(
+            a.degree, a.cp_start, a.cp, a.knot_start, a.knots, a.loop_start, a.reversed, origin[0], origin[1], scale, rounding,
+            span_cp, breaks, bez_i, bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds, roots)
+    si, sf = np.empty((2 * n_pieces, SI_WIDTH), dtype=np.int64), np.empty((2 * n_pieces, SF_WIDTH))
+    turns, loop_start = np.empty(n_pieces), np.empty(loops, dtype=np.int64)
     bent_back = min(smooth_angle, max(BENT_BACK, KINK * rounding))
-    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, grown, smooth_angle, bent_back, rounding, si, sf, turns,
+    n = _fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back, rounding, si, sf, turns,
                     loop_start)
-    return SiteTable(si[:n], sf[:n], grown[:rows], loop_start, origin, scale, smooth_angle)
+    return SiteTable(si[:n], sf[:n], cp[:rows], loop_start, origin, scale, smooth_angle)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.certificate.coverage import check_boundary, check_coverage, check_edges, check_whole, list_owned
-from mat_core.certificate.discs import check_disc, check_partners, check_touching
+from mat_core.certificate.discs import check_disc, check_touching
 from mat_core.certificate.inputs import (
     NOTHING,
     Boundary,
@@ -30,8 +30,12 @@ from mat_core.certificate.inputs import (
     Floats,
     Ints,
     Network,
+    boundary_of,
+    curves_of,
     dangling_references,
-    taken,
+    discs_of,
+    edges_of,
+    network_of,
 )
 from mat_core.certificate.network import check_counts, check_kinds, check_segments
 from mat_core.certificate.report import (
@@ -41,119 +45,130 @@ from mat_core.certificate.report import (
     PARTNERS_LEFT,
     PARTNERS_RIGHT,
     REFERENCES,
-    Figures,
+    Certificate,
+    conclude,
     fault,
     made,
-    to_dict,
+    no_figures,
+    take,
 )
-from mat_core.certificate.splines import SAMPLES, check_ends, check_piece, check_shape
-from mat_core.kernels.jit import jit
+from mat_core.certificate.splines import check_ends, check_shape
+from mat_core.certificate.strips import PROBES, check_strip, list_parts
+from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.judge import JUDGE_ROWS, JUDGE_STACK
-from mat_core.kernels.judge_boxes import MOST_NEAR, fill_boxes, leaf_order
-from mat_core.kernels.layout import DEG, XMAX, XMIN, YMAX, YMIN
+from mat_core.kernels.judge_boxes import fill_boxes, leaf_order
+from mat_core.kernels.layout import XMAX, XMIN, YMAX, YMIN
 from mat_core.model.domain import Domain
+from mat_core.model.edges import HIGHEST_DEGREE
 from mat_core.threads import Bounds, cut, each
 
+STRUCTURE, PLACES, CONCLUDE = 1, 2, 4  # steps of `judge`
 DANGLING, UNFIT, SOUND = 0, 1, 2  # references lead nowhere; curves cannot be evaluated; all can be looked at
+
+# rows of `Room.numbers`
+FIRST, LABEL, DEGREE, WHOLES, NODES_AT, USES, RANK, INCIDENCE, PART_OF, RUN_OF = range(10)
+NUMBERS = 10
 
 
 class Boxes(NamedTuple):
     """The tree of boxes over the sites, and the room that walking it and looking at pieces takes.
 
-    order (n,), box (2 n, 6): see `fill_boxes`. stack (JUDGE_STACK,); work (JUDGE_ROWS, 2 d + 3) and binomial (2 d + 1, 2 d + 1),
-    Pascal's triangle, for pieces of degree up to d. points: rows for de Boor's triangle. near (MOST_NEAR,): leaves; probe
-    (SAMPLES, 3): discs.
+    order (n,), box (2 n, 6): see `fill_boxes`. walk (2, JUDGE_STACK): a stack, and leaves that are near. work (JUDGE_ROWS,
+    2 d + 3) and binomial (2 d + 1, 2 d + 1), Pascal's triangle, for pieces of degree up to d = HIGHEST_DEGREE. points: rows for
+    de Boor's triangle; probe (PROBES, 5): discs.
     """
 
     order: Ints
     box: Floats
-    stack: Ints
+    walk: Ints
     work: Floats
     binomial: Floats
     points: Floats
-    near: Ints
     probe: Floats
-
-    def shared(self) -> Boxes:
-        """The same tree, with room of its own for one more thread."""
-        return Boxes(self.order, self.box, np.empty_like(self.stack), np.empty_like(self.work), self.binomial,
-                     np.empty_like(self.points), np.empty_like(self.near), np.empty_like(self.probe))
 
 
 class Room(NamedTuple):
-    """Numbers of all sites, intervals, discs, strips or nodes, filled and read by the checks of `judge_structure`.
+    """Numbers of all sites, intervals, discs, strips or nodes, filled and read by the checks of STRUCTURE.
 
-    turn (n,): at each smooth joint; first (n + 1,), order, spare, key (2 S + W,): of owned intervals; label, degree, wholes,
-    nodes_at (D,); uses (S,); rank, incidence (N,).
+    turn (n,): at each smooth joint. key (I,), intervals (2, I): of owned intervals, I = 2 S + W; their order, and room to sort.
+    numbers (NUMBERS, m): FIRST interval of each site; LABEL, DEGREE, WHOLES, NODES_AT of discs, USES of strips, RANK and
+    INCIDENCE of nodes; PART_OF and RUN_OF of strips, where their curves begin.
     """
 
     turn: Floats
-    first: Ints
-    order: Ints
-    spare: Ints
     key: Floats
-    label: Ints
-    degree: Ints
-    wholes: Ints
-    nodes_at: Ints
-    uses: Ints
-    rank: Ints
-    incidence: Ints
+    intervals: Ints
+    numbers: Ints
 
 
 @jit
-def judge_structure(t, e, ox, oy, scale, k, g, c, boxes, room, granted, figures):
-    """All checks but those of `judge_places`; fills the boxes, and `granted` for each disc. Returns SOUND, UNFIT or DANGLING."""
+def judge(steps, t, e, ox, oy, scale, size, tolerance, k, g, c, boxes, room, granted, curves, begin, end, figures):
+    """STRUCTURE, all checks but those of PLACES; these, for discs and strips begin .. end - 1; CONCLUDE the figures.
+
+    A sum of steps takes one after the other, so that a small domain needs one call. STRUCTURE fills the boxes and `granted` for
+    each disc. curves: SOUND or UNFIT, for PLACES without STRUCTURE. Returns (SOUND, UNFIT or DANGLING; 1 if all is well).
+    """
+    t, e, k, g, c = Boundary(*t), Edges(*e), Discs(*k), Network(*g), Curves(*c)
+    boxes, room = Boxes(*boxes), Room(*room)
+    if steps & STRUCTURE:
+        curves = _structure(t, e, ox, oy, scale, k, g, c, boxes, room, granted, figures)
+    if steps & PLACES and curves != DANGLING:
+        _places(t, k, c, boxes, room.numbers, granted, curves == SOUND, begin, end, figures)
+    passed = conclude(figures, size, ox, oy, scale, tolerance) if steps & CONCLUDE else 0
+    return curves, passed
+
+
+@inner
+def _structure(t, e, ox, oy, scale, k, g, c, boxes, room, granted, figures):
+    """All checks but those of `_places`: SOUND, UNFIT or DANGLING."""
     dangling = dangling_references(t, k, g, c)
     fault(figures, REFERENCES, dangling, math.nan, math.nan)
     if dangling > 0:
         return DANGLING
+    numbers = room.numbers
+    order = room.intervals[0]
+    degree = numbers[DEGREE]
+    wholes = numbers[WHOLES]
     fill_boxes(t.si, t.sf, t.cp, boxes.order, boxes.box)
     check_boundary(t, room.turn, figures)
     if e.degree.shape[0] > 0:
         check_edges(t, e, ox, oy, scale, boxes.points, figures)
-    list_owned(k, room.first, room.order, room.spare, room.key)
-    check_coverage(t, k, room.first, room.order, figures)
+    list_owned(k, t.si.shape[0], numbers[FIRST], order, room.intervals[1], room.key)
+    check_coverage(t, k, numbers[FIRST], order, figures)
     check_whole(t, k, figures)
-    check_counts(t, k, g, room.label, figures)
-    check_segments(k, g, room.degree, room.wholes, room.nodes_at, room.uses, room.rank, room.incidence, figures)
-    check_kinds(t, k, g, room.degree, room.wholes, figures)
-    check_touching(t, k, room.order, room.turn, granted, figures)
+    check_counts(t, k, g, numbers[LABEL], figures)
+    check_segments(k, g, degree, wholes, numbers[NODES_AT], numbers[USES], numbers[RANK], numbers[INCIDENCE], figures)
+    check_kinds(t, k, g, degree, wholes, figures)
+    check_touching(t, k, order, room.turn, granted, figures)
     if not check_shape(c, g, figures):
         return UNFIT
     check_ends(k, g, c, boxes.points, figures)
+    list_parts(k, c, numbers[PART_OF], numbers[RUN_OF])
     return SOUND
 
 
-@jit
-def judge_places(t, k, c, boxes, granted, discs, strips, parts, run, figures):
-    """Discs, strips and parts of curves, each from .. to - 1: the discs handed in, those found anew in strips, and samples.
-
-    run: the segment of the first part.
-    """
+@inner
+def _places(t, k, c, boxes, numbers, granted, curves, begin, end, figures):
+    """Discs handed in and strips, each begin .. end - 1 as far as there are: with discs found anew, and samples of the curves."""
     made(figures, DISCS_EMPTY)
     made(figures, PARTNERS_RIGHT)
     made(figures, PARTNERS_LEFT)
-    for d in range(discs[0], discs[1]):
+    for d in range(begin, min(end, k.disc.shape[0])):
         check_disc(t, k, d, boxes, granted, figures)
-    for strip in range(strips[0], strips[1]):
-        slack = max(granted[k.strip_i[strip, 2]], granted[k.strip_i[strip, 3]])
-        check_partners(t, k, strip, boxes, slack, figures)
-    if parts[0] < parts[1]:
+    strips = min(end, k.strip_i.shape[0])
+    if curves and begin < strips:
         made(figures, CURVES_ON_AXIS)
         made(figures, CURVES_EMPTY)
-    for part in range(parts[0], parts[1]):
-        while part >= c.part_start[run + 1]:
-            run += 1
-        strip = c.part_i[part, 1]
+    for strip in range(begin, strips):
         slack = max(granted[k.strip_i[strip, 2]], granted[k.strip_i[strip, 3]])
-        check_piece(t, k, c, run, part, boxes, slack, figures)
+        part = numbers[PART_OF, strip] if curves else -1
+        check_strip(t, k, c, strip, part, numbers[RUN_OF, strip], boxes, slack, figures)
 
 
 def certify(
     table: SiteTable, skeleton: object, graph: object, curves: object, tolerance: float, *, domain: Domain | None = None,
     threads: int = 1,
-) -> dict[str, Any]:
+) -> Certificate:
     """Check an axis against its boundary.
 
     Parameters
@@ -176,74 +191,64 @@ def certify(
 
     Returns
     -------
-    dict
-        ``passed`` and ``checks``: for each its ``passed``, ``measured`` figure, ``limit``, ``unit`` (length: relative
-        to the larger side of the bounding box; count: number of faults; angle: radians), ``place`` ([x, y] in the
-        caller's coordinates or None) and ``detail``, what the figure says. When indices point to nothing that is the
-        only check.
+    Certificate
+        ``passed``, ``smooth_angle`` and ``checks``: for each its ``passed``, ``measured`` figure, ``limit``, ``unit`` (length:
+        relative to the larger side of the bounding box; count: number of faults; angle: radians), ``place`` ([x, y] in the
+        caller's coordinates or None) and ``detail``, what the figure says. When indices point to nothing that is the only check.
 
     Notes
     -----
     Grows nearly linearly with the number of strips; some 0.2 ms for a glyph of 40 strips.
     """
-    t, k, g, c = taken(Boundary, table), taken(Discs, skeleton), taken(Network, graph), taken(Curves, curves)
-    e = NOTHING if domain is None else taken(Edges, domain.arrays)
-    figures = Figures.unseen()
-    granted = np.empty(len(k.disc))
-    boxes = boxes_for(t, e, c)
+    k = discs_of(skeleton)
+    discs, strips, wholes, nodes = len(k[0]), len(k[4]), len(k[6]), len(graph.node_disc)  # type: ignore[attr-defined]
+    e = NOTHING if domain is None else edges_of(domain.arrays)
     ox, oy = table.origin.tolist()
-    sound = judge_structure(t, e, ox, oy, table.scale, k, g, c, boxes, _room(t, k, g), granted, figures)
-    if sound == DANGLING:
-        return to_dict(figures, 1.0, table.origin, table.scale, tolerance)
-    _judge_everywhere(t, k, c, boxes, granted, sound == SOUND, figures, threads)
     size = domain.size * table.scale if domain is not None else _larger_side(table)
-    return to_dict(figures, float(size), table.origin, table.scale, tolerance)
+    granted = np.empty(discs)
+    boxes = boxes_for(table)
+    room = _room(len(table.si), discs, strips, wholes, nodes)
+    asked = (boundary_of(table), e, ox, oy, table.scale, size, tolerance, k, network_of(graph), curves_of(curves))
+    figures = no_figures()
+    parts = cut(max(discs, strips))
+    if len(parts) == 1:
+        _, passed = judge(STRUCTURE | PLACES | CONCLUDE, *asked, boxes, room, granted, UNFIT, *parts[0], figures)
+        return Certificate(figures, passed == 1, table.smooth_angle)
 
-
-def _judge_everywhere(
-    t: Boundary, k: Discs, c: Curves, boxes: Boxes, granted: Floats, curves: bool, figures: Figures, threads: int
-) -> None:
-    """`judge_places` for all that there is, with the curves if they can be evaluated; large domains in parts."""
-    counts = (len(k.disc), len(k.strip_i), len(c.part_i) if curves else 0)
-    shares = cut(max(counts))
-    if len(shares) == 1:
-        discs, strips, parts = ((0, count) for count in counts)
-        judge_places(t, k, c, boxes, granted, discs, strips, parts, 0, figures)
-        return
-
-    def judge(part: Bounds) -> Figures:
-        discs, strips, parts = ((min(part[0], count), min(part[1], count)) for count in counts)
-        run = int(np.searchsorted(c.part_start, parts[0], side="right")) - 1 if curves else 0
-        told = Figures.unseen()
-        judge_places(t, k, c, boxes.shared(), granted, discs, strips, parts, run, told)
+    def judge_part(part: Bounds) -> Floats:
+        told = no_figures()
+        judge(PLACES, *asked, own_room(boxes), room, granted, sound, *part, told)
         return told
 
-    for told in each(judge, shares, threads):
-        figures.take(told)
+    sound, _ = judge(STRUCTURE, *asked, boxes, room, granted, UNFIT, 0, 0, figures)
+    if sound != DANGLING:
+        for told in each(judge_part, parts, threads):
+            take(figures, told)
+    _, passed = judge(CONCLUDE, *asked, boxes, room, granted, sound, 0, 0, figures)
+    return Certificate(figures, passed == 1, table.smooth_angle)
 
 
-def boxes_for(t: Boundary, e: Edges, c: Curves) -> Boxes:
-    """Room for the tree, and for pieces and curves of the degrees that there are."""
-    width = 2 * int(t.si[:, DEG].max()) + 1
-    degree = max(int(c.degree.max(initial=1)), int(e.degree.max(initial=1)), 1)
-    return Boxes(
-        leaf_order(t.sf), np.empty((2 * len(t.sf), 6)), np.empty(JUDGE_STACK, dtype=np.int64), np.empty((JUDGE_ROWS, width + 2)),
-        _binomials(width), np.empty((degree + 1, 4)), np.empty(MOST_NEAR, dtype=np.int64),
-        np.empty((len(SAMPLES), 3)))  # fmt: skip
+def boxes_for(table: SiteTable) -> tuple[NDArray[Any], ...]:
+    """`Boxes` yet to be filled."""
+    order, box = leaf_order(table.sf), np.empty((2 * len(table.sf), 6))
+    return (
+        order, box, np.empty((2, JUDGE_STACK), dtype=np.int64), np.empty((JUDGE_ROWS, 2 * HIGHEST_DEGREE + 3)),
+        _binomials(2 * HIGHEST_DEGREE + 1), np.empty((HIGHEST_DEGREE + 1, 4)), np.empty((PROBES, 5)))  # fmt: skip
 
 
-def _room(t: Boundary, k: Discs, g: Network) -> Room:
-    """Room for the numbers of `judge_structure`."""
-    sites, discs, strips, nodes = len(t.si), len(k.disc), len(k.strip_i), len(g.node_disc)
-    intervals = 2 * strips + len(k.whole_i)
+def own_room(boxes: tuple[NDArray[Any], ...]) -> tuple[NDArray[Any], ...]:
+    """The same tree, with room of its own for one more thread."""
+    b = Boxes(*boxes)
+    return (b.order, b.box, np.empty_like(b.walk), np.empty_like(b.work), b.binomial, np.empty_like(b.points),
+            np.empty_like(b.probe))
 
-    def numbers(n: int) -> NDArray[np.int64]:
-        return np.empty(n, dtype=np.int64)
 
-    return Room(
-        np.empty(sites), numbers(sites + 1), numbers(intervals), numbers(intervals), np.empty(intervals),
-        numbers(max(discs, nodes)), numbers(discs), numbers(discs), numbers(discs), numbers(strips), numbers(nodes),
-        numbers(nodes))  # fmt: skip
+def _room(sites: int, discs: int, strips: int, wholes: int, nodes: int) -> tuple[NDArray[Any], ...]:
+    """`Room` for the numbers of STRUCTURE."""
+    intervals = 2 * strips + wholes
+    most = max(sites + 1, discs, strips, nodes)
+    return (np.empty(sites), np.empty(intervals), np.empty((2, intervals), dtype=np.int64),
+            np.empty((NUMBERS, most), dtype=np.int64))
 
 
 @functools.cache

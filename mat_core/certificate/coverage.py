@@ -42,6 +42,7 @@ from mat_core.kernels.layout import (
     Y0,
     Y1,
 )
+from mat_core.kernels.sorting import sort
 
 NEARLY_SMOOTH = 0.1  # a joint without a vertex turns by less than this
 ON_PIECE = 0.47  # where a piece is compared with the input's edge
@@ -61,12 +62,11 @@ def owned(k, m):
 
 
 @inner
-def list_owned(k, first, order, spare, key):
-    """Sort all owned intervals by site and along it: those of site i are order[first[i]:first[i + 1]].
+def list_owned(k, sites, first, order, spare, key):
+    """Sort all owned intervals by site and along it: those of site i are order[first[i]:first[i + 1]]; `first` (sites + 1,).
 
     By the middle, so that ends that differ by rounding do not change the order.
     """
-    sites = first.shape[0] - 1
     for i in range(sites + 1):
         first[i] = 0
     for m in range(order.shape[0]):
@@ -84,7 +84,7 @@ def list_owned(k, first, order, spare, key):
         first[i] = first[i + 1]
     first[sites] = order.shape[0]
     for i in range(sites):
-        _sort(key, order, spare, first[i], first[i + 1])
+        sort(key, order, spare, first[i], first[i + 1])
         begin = first[i]
         while begin < first[i + 1]:
             end = begin + 1
@@ -93,28 +93,6 @@ def list_owned(k, first, order, spare, key):
             if end > begin + 1:
                 _chain(k, order, spare, begin, end)
             begin = end
-
-
-@inner
-def _sort(key, order, spare, begin, end):
-    """Sort order[begin:end] by key, equal ones as they were (merge sort)."""
-    width = 1
-    while width < end - begin:
-        for left in range(begin, end, 2 * width):
-            middle = min(left + width, end)
-            right = min(middle + width, end)
-            a = left
-            b = middle
-            for place in range(left, right):
-                if b >= right or (a < middle and key[order[a]] <= key[order[b]]):
-                    spare[place] = order[a]
-                    a += 1
-                else:
-                    spare[place] = order[b]
-                    b += 1
-        for place in range(begin, end):
-            order[place] = spare[place]
-        width *= 2
 
 
 @inner

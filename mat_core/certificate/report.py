@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -76,33 +78,29 @@ ROUNDING = 16 * float(
     np.finfo(float).eps
 )  # granted to lengths, relative to the largest coordinate: the input is not known better
 
+# columns of the figures (checks, 4): the worst of each check so far; where, in normalised coordinates; its limit
+FIGURE, AT_X, AT_Y, LIMIT = range(4)
+_LIMITS = tuple(check.limit for check in CHECKS.values())
+_LENGTHS = tuple(check.unit == LENGTH for check in CHECKS.values())
+_NONE_MADE = np.array([(UNSEEN, math.nan, math.nan, limit) for limit in _LIMITS])
 
-class Figures(NamedTuple):
-    """The worst figure of each check so far and its place; lengths and places in normalised coordinates.
 
-    figure (checks,): UNSEEN where a check was not made; place (checks, 2): NaN where none was noted.
-    """
+def no_figures() -> NDArray[np.float64]:
+    """The table before any check was made: figure UNSEEN, place NaN."""
+    return _NONE_MADE.copy()
 
-    figure: NDArray[np.float64]
-    place: NDArray[np.float64]
 
-    @classmethod
-    def unseen(cls) -> Figures:
-        """None made yet."""
-        return cls(np.full(len(CHECKS), UNSEEN), np.full((len(CHECKS), 2), np.nan))
-
-    def take(self, other: Figures) -> None:
-        """The larger figure of each check with its place; of equal ones it stays as it was, as in `worst`."""
-        larger = other.figure > self.figure
-        self.figure[larger] = other.figure[larger]
-        self.place[larger] = other.place[larger]
+def take(figures: NDArray[np.float64], others: NDArray[np.float64]) -> None:
+    """The larger figure of each check with its place; of equal ones it stays as it was, as in `worst`."""
+    larger = others[:, FIGURE] > figures[:, FIGURE]
+    figures[larger] = others[larger]
 
 
 @inner
 def made(figures, check):
     """Note that a check is made, whether or not there is anything to look at."""
-    if figures.figure[check] < LOWEST:
-        figures.figure[check] = LOWEST
+    if figures[check, FIGURE] < LOWEST:
+        figures[check, FIGURE] = LOWEST
 
 
 @inner
@@ -110,51 +108,89 @@ def worst(figures, check, value, x, y):
     """Take a figure at a place if it is the largest so far; NaN counts as infinite."""
     if value != value:
         value = math.inf
-    if value > figures.figure[check]:
-        figures.figure[check] = value
-        figures.place[check, 0] = x
-        figures.place[check, 1] = y
+    if value > figures[check, FIGURE]:
+        figures[check, FIGURE] = value
+        figures[check, AT_X] = x
+        figures[check, AT_Y] = y
 
 
 @inner
 def fault(figures, check, number, x, y):
     """Add a number of faults; the place is that of the first."""
-    if figures.figure[check] < 0.0:
-        figures.figure[check] = 0.0
-    if number > 0 and figures.figure[check] == 0.0:
-        figures.place[check, 0] = x
-        figures.place[check, 1] = y
-    figures.figure[check] += number
+    if figures[check, FIGURE] < 0.0:
+        figures[check, FIGURE] = 0.0
+    if number > 0 and figures[check, FIGURE] == 0.0:
+        figures[check, AT_X] = x
+        figures[check, AT_Y] = y
+    figures[check, FIGURE] += number
 
 
-def to_dict(
-    figures: Figures, size: float, origin: NDArray[np.float64], scale: float, tolerance: float
-) -> dict[str, Any]:
-    """The certificate: every check with figure, limit and place in the caller's coordinates; all numbers finite.
+@inner
+def conclude(figures, size, ox, oy, scale, tolerance):
+    """Make lengths relative to the size, places the caller's, and the limits what they are here; 1 if all are kept, else 0.
 
-    size: larger side of the bounding box, normalised.
+    size: larger side of the bounding box, normalised. A check that was not made is none that failed.
     """
-    ox, oy = origin.tolist()
     rounding = ROUNDING * (max(abs(ox), abs(oy)) * scale + 1.0)
-    checks: dict[str, dict[str, Any]] = {}
-    passed = True
-    for (name, check), measured, (x, y) in zip(
-        CHECKS.items(), figures.figure.tolist(), figures.place.tolist(), strict=True
-    ):
-        if measured == UNSEEN:
+    figures[CURVES_TOLERANCE, LIMIT] = tolerance
+    passed = 1
+    for check in range(figures.shape[0]):
+        if figures[check, FIGURE] == UNSEEN:
             continue
-        measured = max(measured, 0.0)
-        limit = tolerance if name == "curves_tolerance" else check.limit
-        if check.unit == LENGTH:
-            limit += rounding
-            measured /= size
-        passed = passed and measured <= limit
-        checks[name] = {
-            "passed": measured <= limit,
-            "measured": min(measured, sys.float_info.max),
-            "limit": limit,
-            "unit": check.unit,
-            "place": [x / scale + ox, y / scale + oy] if math.isfinite(x) and math.isfinite(y) else None,
-            "detail": check.detail,
+        figures[check, FIGURE] = max(figures[check, FIGURE], 0.0)
+        if _LENGTHS[check]:
+            figures[check, FIGURE] /= size
+            figures[check, LIMIT] += rounding
+        figures[check, AT_X] = figures[check, AT_X] / scale + ox
+        figures[check, AT_Y] = figures[check, AT_Y] / scale + oy
+        if not figures[check, FIGURE] <= figures[check, LIMIT]:
+            passed = 0
+    return passed
+
+
+class Certificate(Mapping[str, Any]):
+    """The answer's `certificate`: ``passed``, ``checks`` and ``smooth_angle``, if it was told; made when it is read.
+
+    Parameters
+    ----------
+    figures : (checks, 4) float64
+        After `conclude`.
+    passed : bool
+    smooth_angle : float, optional
+        Radians; joints that turn by no more were taken as smooth.
+    """
+
+    def __init__(self, figures: NDArray[np.float64], passed: bool, smooth_angle: float | None = None) -> None:
+        self._figures = figures
+        self.passed = passed
+        self._smooth_angle = smooth_angle
+
+    @cached_property
+    def _entries(self) -> dict[str, Any]:
+        """Every check with figure, limit and place; all numbers finite."""
+        checks = {
+            name: {
+                "passed": measured <= limit,
+                "measured": min(measured, sys.float_info.max),
+                "limit": limit,
+                "unit": check.unit,
+                "place": [x, y] if math.isfinite(x) and math.isfinite(y) else None,
+                "detail": check.detail,
+            }
+            for (name, check), (measured, x, y, limit) in zip(CHECKS.items(), self._figures.tolist(), strict=True)
+            if measured != UNSEEN
         }
-    return {"passed": passed, "checks": checks}
+        told = {} if self._smooth_angle is None else {"smooth_angle": self._smooth_angle}
+        return {"passed": self.passed, "checks": checks, **told}
+
+    def __getitem__(self, key: str) -> Any:
+        return self._entries[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def __repr__(self) -> str:
+        return repr(self._entries)

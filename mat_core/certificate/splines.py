@@ -1,4 +1,4 @@
-"""The fitted curves: do they run along the axis, through its discs, within the error they state?
+"""The fitted curves: can they be evaluated, are they continuous, do they pass the discs they should?
 
 A curve states a bound e of |c' - c| + |r' - r| between its discs (c', r') and true axis discs (c, r). The distance of c'
 from either side then differs from r' by at most e; that much is granted, no more.
@@ -10,19 +10,13 @@ import math
 
 from mat_core.certificate.report import (
     CURVES_CONTINUOUS,
-    CURVES_EMPTY,
     CURVES_ENDS,
-    CURVES_ON_AXIS,
     CURVES_TOLERANCE,
     made,
     worst,
 )
 from mat_core.kernels.jit import inner
-from mat_core.kernels.judge import depth, depth_near, distance_from
-from mat_core.kernels.judge_boxes import leaves_near, stretch
 from mat_core.kernels.judge_spline import spline_value
-
-SAMPLES = (0.057, 0.281, 0.473, 0.726, 0.894)  # of a piece; at places of no symmetry, so not at those of a fit
 
 
 @inner
@@ -120,56 +114,3 @@ def check_ends(k, g, c, work, figures):
             worst(figures, CURVES_ENDS, math.inf, c.cp[c.cp_start[run], 0], c.cp[c.cp_start[run], 1])
             continue
         _check_end(c, run, 1.0, k.disc, k.strip_i[strip, 3 if g.run_forward[last] else 2], work, figures)
-
-
-@inner
-def check_piece(t, k, c, run, part, boxes, slack, figures):
-    """Samples of a piece touch either side of their strip, and the boundary stays out of them.
-
-    slack: what is granted to emptiness, beside the stated error.
-    """
-    strip = c.part_i[part, 1]
-    granted = c.max_error[run] + slack
-    probe = boxes.probe
-    for n in range(probe.shape[0]):
-        at = c.part_f[part, 0] + SAMPLES[n] * (c.part_f[part, 1] - c.part_f[part, 0])
-        spline_value(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, 3, run, at, boxes.points)
-        for axis in range(3):
-            probe[n, axis] = boxes.points[0, axis]
-    count = _gather(boxes, probe)
-    right = k.strip_i[strip, 0]
-    left = k.strip_i[strip, 1]
-    s_right = 0.5 * (k.strip_s[strip, 0] + k.strip_s[strip, 1])
-    s_left = 0.5 * (k.strip_s[strip, 2] + k.strip_s[strip, 3])
-    for n in range(probe.shape[0]):
-        x = probe[n, 0]
-        y = probe[n, 1]
-        r = probe[n, 2]
-        # the feet of the sample before are near
-        off, s_right = distance_from(t.si, t.sf, t.cp, right, k.strip_s[strip, 0], k.strip_s[strip, 1], s_right, x, y, r, granted)
-        worst(figures, CURVES_ON_AXIS, off - granted, x, y)
-        off, s_left = distance_from(t.si, t.sf, t.cp, left, k.strip_s[strip, 3], k.strip_s[strip, 2], s_left, x, y, r, granted)
-        worst(figures, CURVES_ON_AXIS, off - granted, x, y)
-        if count >= 0:
-            inside = depth_near(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.near, count, boxes.work, boxes.binomial, x, y, r,
-                                right, s_right, left, s_left)
-        else:
-            inside = depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, x, y, r,
-                           right, s_right, left, s_left)
-        worst(figures, CURVES_EMPTY, inside - granted, x, y)
-
-
-@inner
-def _gather(boxes, probe):
-    """Leaves that any of some discs may reach into: how many, or -1 where too many are near the line along them."""
-    last = probe.shape[0] - 1
-    ax = probe[0, 0]
-    ay = probe[0, 1]
-    bx = probe[last, 0]
-    by = probe[last, 1]
-    reach = 0.0
-    for n in range(last + 1):
-        own = stretch(ax, ay, bx, by, probe[n, 0], probe[n, 1], probe[n, 2])
-        if not own <= reach:
-            reach = own
-    return leaves_near(boxes.box, boxes.stack, boxes.near, ax, ay, bx, by, reach)

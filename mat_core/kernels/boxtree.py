@@ -11,7 +11,7 @@ near each contact, but into a few slanted ones only.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,12 +57,12 @@ class Tree(NamedTuple):
     leaf: NDArray[np.int64]
 
 
-def room_for_tree(sites: int) -> Tree:
-    """A tree yet to be filled."""
+def room_for_tree(sites: int) -> tuple[NDArray[Any], ...]:
+    """A `Tree` yet to be filled, as a plain tuple, which kernels take twice as fast."""
     leaves = 1
     while leaves < sites:
         leaves *= 2
-    return Tree(np.empty((2 * leaves, 6)), np.empty(leaves, dtype=np.int64), np.empty(sites, dtype=np.int64))
+    return (np.empty((2 * leaves, 6)), np.empty(leaves, dtype=np.int64), np.empty(sites, dtype=np.int64))
 
 
 @inner

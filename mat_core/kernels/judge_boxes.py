@@ -64,7 +64,7 @@ def stretch(ax, ay, bx, by, x, y, r):
 
 @inner
 def leaves_near(box, stack, near, ax, ay, bx, by, r):
-    """Fill `near` with the leaves that may reach within r of the line from a to b; how many, or -1 if they have no room."""
+    """Fill `near` with the leaves that may reach within r of the line from a to b; how many, or -1 if more than MOST_NEAR."""
     if not r < math.inf:
         return -1
     r += ROUNDING
@@ -88,7 +88,7 @@ def leaves_near(box, stack, near, ax, ay, bx, by, r):
             stack[top + 2] = 2 * k + 1
             top += 2
             continue
-        if count == near.shape[0]:
+        if count == MOST_NEAR:
             return -1
         near[count] = k
         count += 1

@@ -8,16 +8,37 @@ A face in the work buffer is a row for each arc: ints (site, disc that closes it
 
 from __future__ import annotations
 
+from mat_core.kernels.boxtree import Tree
 from mat_core.kernels.jit import inner, jit
-from mat_core.kernels.layout import FAN, KIND, LEN, LINE, NEXT, SWEEP
+from mat_core.kernels.layout import ARC_CONTACT, FAN, KIND, LEN, LINE, NEXT, SWEEP, THROUGH
+from mat_core.kernels.sorting import group, sort
 from mat_core.topology.discs import NO_PARTNER, NOT_EULER, OK, TOO_SMALL
 from mat_core.topology.faces import link_arcs, list_faces
+from mat_core.topology.rooms import (
+    AROUND,
+    AROUND_START,
+    CONTACT_ARC,
+    DISC_OF,
+    FACE_ARCS,
+    NEXT_ARC,
+    NODE_FIRST,
+    PLACE_AROUND,
+    SITE_OF,
+    TRI_HI,
+    TRI_LO,
+    TRI_S,
+    TRI_SITE,
+    FaceRoom,
+    Found,
+    Listed,
+    Work,
+)
 from mat_core.topology.split import MANY, find_split, split_face
 from mat_core.topology.walking import walk_arc
 
 CURVED = 8.0  # a curved arc is walked along rather than a straight one this much longer: its partners are better told apart
 
-LINK, SOLVE = 1, 2  # steps of `solve_faces`
+LINK, SOLVE, LIST = 1, 2, 4  # steps of `solve_faces`
 
 
 @inner
@@ -148,39 +169,84 @@ def _smaller_faces(room, nodes, n_discs, faces, end):
 
 
 @jit
-def solve_faces(steps, si, sf, cp, tree, tie, faces, owner, angle_order, next_contact, arc_hi, links, room, disc, n_discs,
-                n_contacts):
+def solve_faces(steps, si, sf, cp, tree, stack, tie, faces, found, links, room, listed, disc, n_known, n_discs, n_contacts):
     """List the faces, resolve them into strips; returns (status, discs, contacts, strips, whole contacts, place, faces).
 
-    steps: LINK the arcs to faces, NOT_EULER if there are not as many as `faces`; SOLVE the faces that stand in `room`; the sum of
-    both takes one after the other. `angle_order`: contacts by disc and around it. New discs are appended to the n_discs of
-    `disc`, new contacts to the n_contacts of `room`; `place` is a site near the trouble when the status is not OK.
+    steps: LINK the arcs to faces, NOT_EULER if there are not as many as `faces`; SOLVE the faces that stand in `room`; LIST the
+    contacts of each disc. A sum of these takes one after the other. New discs are appended to the n_discs of `disc`, of which
+    n_known were found at joints, new contacts to the n_contacts of `room`; `place` is a site near the trouble when the status is
+    not OK.
     """
+    tree, found, room, listed = Tree(*tree), Found(*found), FaceRoom(*room), Listed(*listed)
+    strips = wholes = 0
     if steps & LINK:
-        for d in range(n_discs + 1):
-            links.around_start[d] = 0
-        for place in range(n_contacts):
-            c = angle_order[place]
-            links.around_start[owner[c] + 1] += 1
-            links.place_around[c] = place
-        for d in range(n_discs):
-            links.around_start[d + 1] += links.around_start[d]
-        link_arcs(next_contact, angle_order, links.around_start, owner, links.place_around, links.next_arc)
-        found = list_faces(links.next_arc, links.face_arcs, room.face_start)
-        if found != faces:
-            return NOT_EULER, n_discs, n_contacts, 0, 0, 0, found
-        for place in range(n_contacts):
-            a = links.face_arcs[place]
-            room.stack_i[place, 0] = room.contact_site[a]
-            room.stack_i[place, 1] = owner[next_contact[a]]
-            room.stack_f[place, 0] = room.contact_s[a]
-            room.stack_f[place, 1] = arc_hi[a]
-            room.disc_of[place] = owner[place]
-    if not steps & SOLVE:
-        return OK, n_discs, n_contacts, 0, 0, -1, faces
-    status, n_discs, n_contacts, strips, wholes, place = _solve_faces(
-        si, sf, cp, tree, tie, faces, room, disc, n_discs, n_contacts)
-    return status, n_discs, n_contacts, strips, wholes, place, faces
+        made = _link(found, links, room, n_discs, n_contacts)
+        if made != faces:
+            return NOT_EULER, n_discs, n_contacts, 0, 0, 0, made
+    if steps & SOLVE:
+        work = Work(
+            stack, room.face_start, room.stack_i, room.stack_f, room.contact_i[DISC_OF], room.contact_i[SITE_OF], room.contact_s,
+            room.strip_i, room.strip_s, room.whole_i, room.whole_s, room.w_i, room.w_f, room.node_i[CONTACT_ARC], room.contacts_s,
+            room.node_i[NODE_FIRST], room.bracket_i, room.bracket_f, room.node_i[TRI_SITE], room.tri[TRI_S], room.tri[TRI_LO],
+            room.tri[TRI_HI])
+        status, n_discs, n_contacts, strips, wholes, place = _solve_faces(
+            si, sf, cp, tree, tie, faces, work, disc, n_discs, n_contacts)
+        if status != OK:
+            return status, n_discs, n_contacts, strips, wholes, place, faces
+    if steps & LIST:
+        wholes = wholes if steps & SOLVE else room.whole_i.shape[0]
+        _list_contacts(found, room, listed, n_known, n_discs, n_contacts, wholes)
+    return OK, n_discs, n_contacts, strips, wholes, -1, faces
+
+
+@inner
+def _link(found, links, room, discs, contacts):
+    """Put the faces in `room`; how many."""
+    around_start = links[AROUND_START]
+    around = links[AROUND]
+    place_around = links[PLACE_AROUND]
+    face_arcs = links[FACE_ARCS]
+    owner = found.owner
+    for c in range(contacts):
+        face_arcs[c] = c
+    group(owner, contacts, discs, around_start, around, face_arcs)
+    for d in range(discs):
+        sort(found.angle, around, face_arcs, around_start[d], around_start[d + 1])
+    for place in range(contacts):
+        place_around[around[place]] = place
+    link_arcs(contacts, found.next_contact, around, around_start, owner, place_around, links[NEXT_ARC])
+    faces = list_faces(contacts, links[NEXT_ARC], face_arcs, room.face_start)
+    for place in range(contacts):
+        a = face_arcs[place]
+        room.stack_i[place, 0] = found.site[a]
+        room.stack_i[place, 1] = owner[found.next_contact[a]]
+        room.stack_f[place, 0] = found.s[a]
+        room.stack_f[place, 1] = found.arc_hi[a]
+        room.contact_i[DISC_OF, place] = owner[place]
+        room.contact_i[SITE_OF, place] = found.site[place]
+        room.contact_s[place] = found.s[place]
+    return faces
+
+
+@inner
+def _list_contacts(found, room, listed, n_known, discs, contacts, wholes):
+    """Fill `listed`: contacts by disc, site and s, and the kind of each disc; `wholes` arcs are in whole contact with theirs."""
+    order = listed.order[0]
+    spare = listed.order[1]
+    site = room.contact_i[SITE_OF]
+    for c in range(contacts):
+        spare[c] = c
+    group(room.contact_i[DISC_OF], contacts, discs, listed.start, order, spare)
+    for d in range(discs):
+        # equal ones stay as they were, so that the last key counts most
+        sort(room.contact_s, order, spare, listed.start[d], listed.start[d + 1])
+        sort(site, order, spare, listed.start[d], listed.start[d + 1])
+        listed.kind[d] = found.kind[d] if d < n_known else THROUGH
+    for place in range(contacts):
+        listed.site[place] = site[order[place]]
+        listed.s[place] = room.contact_s[order[place]]
+    for m in range(wholes):
+        listed.kind[room.whole_i[m, 1]] = ARC_CONTACT  # also with a spiral that is an arc but for rounding
 
 
 @inner

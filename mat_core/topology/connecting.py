@@ -11,6 +11,10 @@ from mat_core.kernels.layout import FAN, KIND, LOOP, PREV, SWEEP, THROUGH, TX0, 
 from mat_core.topology.discs import K_LOW, NO_PARTNER, OK
 from mat_core.topology.unite import find, unite
 
+# rows of the numbers of loops: integers, floats; EXTRA ones, of the discs found here, are fewer
+LOOP_PARENT, RIGHT_SITE, EXTRA_SITE, EXTRA_PARTNER = range(4)
+RIGHT_X, RIGHT_S, EXTRA_X, EXTRA_Y, EXTRA_R, EXTRA_S, EXTRA_PARTNER_S = range(7)
+
 
 @inner
 def rightmost(si, sf, cp, first, last):
@@ -54,14 +58,14 @@ def rightmost(si, sf, cp, first, last):
 
 
 @inner
-def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent, right, right_site, extra,
-                  extra_site):
+def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loops_i, loops_f):
     """Discs that join loops no joint disc joins; returns (status, how many).
 
     The disc at the rightmost point of a group of loops lies right of all of them, so it touches another group: after at most one
-    disc a hole all loops are connected. Rows of `extra`: x, y, r, s, s_winner; of `extra_site`: site, winner.
+    disc a hole all loops are connected. Their numbers stand in columns of `loops_i`, `loops_f`, in the rows named EXTRA.
     """
     n_loops = loop_start.shape[0] - 1
+    loop_parent = loops_i[LOOP_PARENT]
     for loop in range(n_loops):
         loop_parent[loop] = loop
     for j in range(si.shape[0]):
@@ -69,18 +73,16 @@ def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent
             unite(loop_parent, si[j, LOOP], si[winner[j], LOOP])
     # the rightmost point of each group stands at its root
     for loop in range(1, n_loops):
-        x, site, s = rightmost(si, sf, cp, loop_start[loop], loop_start[loop + 1])
-        right[loop, 0] = x
-        right[loop, 1] = s
-        right_site[loop] = site
+        loops_f[RIGHT_X, loop], loops_i[RIGHT_SITE, loop], loops_f[RIGHT_S, loop] = rightmost(si, sf, cp, loop_start[loop],
+                                                                                             loop_start[loop + 1])
     for loop in range(1, n_loops):
-        _keep_rightmost(right, right_site, find(loop_parent, loop), loop)
+        _keep_rightmost(loops_i, loops_f, find(loop_parent, loop), loop)
     count = 0
     for group in range(1, n_loops):
         # until it hangs on a smaller one: in the end all hang on loop 0
         while find(loop_parent, group) == group:
-            site = right_site[group]
-            s = right[group, 1]
+            site = loops_i[RIGHT_SITE, group]
+            s = loops_f[RIGHT_S, group]
             px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
             skip = si[site, PREV] if s == 0.0 else -1
             phi, w, sw = query(si, sf, cp, tree, stack, site, s, -ty, tx, skip, -1, K_LOW)
@@ -88,22 +90,22 @@ def connect_loops(si, sf, cp, tree, stack, loop_start, kind, winner, loop_parent
                 return NO_PARTNER, count
             other = find(loop_parent, si[w, LOOP])
             unite(loop_parent, group, other)
-            _keep_rightmost(right, right_site, min(group, other), max(group, other))
-            extra[count, 0] = px - ty / phi
-            extra[count, 1] = py + tx / phi
-            extra[count, 2] = 1.0 / phi
-            extra[count, 3] = s
-            extra[count, 4] = sw
-            extra_site[count, 0] = site
-            extra_site[count, 1] = w
+            _keep_rightmost(loops_i, loops_f, min(group, other), max(group, other))
+            loops_f[EXTRA_X, count] = px - ty / phi
+            loops_f[EXTRA_Y, count] = py + tx / phi
+            loops_f[EXTRA_R, count] = 1.0 / phi
+            loops_f[EXTRA_S, count] = s
+            loops_f[EXTRA_PARTNER_S, count] = sw
+            loops_i[EXTRA_SITE, count] = site
+            loops_i[EXTRA_PARTNER, count] = w
             count += 1
     return OK, count
 
 
 @inner
-def _keep_rightmost(right, right_site, root, member):
+def _keep_rightmost(loops_i, loops_f, root, member):
     """The rightmost point of `member` becomes that of `root` if it lies further right; loop 0 needs none."""
-    if root > 0 and right[member, 0] > right[root, 0]:
-        right[root, 0] = right[member, 0]
-        right[root, 1] = right[member, 1]
-        right_site[root] = right_site[member]
+    if root > 0 and loops_f[RIGHT_X, member] > loops_f[RIGHT_X, root]:
+        loops_f[RIGHT_X, root] = loops_f[RIGHT_X, member]
+        loops_f[RIGHT_S, root] = loops_f[RIGHT_S, member]
+        loops_i[RIGHT_SITE, root] = loops_i[RIGHT_SITE, member]

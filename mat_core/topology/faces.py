@@ -32,12 +32,12 @@ def cut_arcs(si, site, s, n, arc_hi, next_contact):
 
 
 @inner
-def link_arcs(next_contact, around, around_start, disc_of, place_around, next_arc):
-    """next_arc[a]: the arc that follows arc a around its face.
+def link_arcs(n, next_contact, around, around_start, disc_of, place_around, next_arc):
+    """next_arc[a]: the arc that follows arc a, of n, around its face.
 
     `around[around_start[d]:around_start[d+1]]`: contacts of disc d, anticlockwise; `place_around[c]`: where c stands there.
     """
-    for a in range(next_contact.shape[0]):
+    for a in range(n):
         e = next_contact[a]
         d = disc_of[e]
         place = place_around[e]
@@ -46,9 +46,8 @@ def link_arcs(next_contact, around, around_start, disc_of, place_around, next_ar
 
 
 @inner
-def list_faces(next_arc, face_arcs, face_start):
-    """Cycles of `next_arc`, one after the other in `face_arcs`; returns their number."""
-    n = next_arc.shape[0]
+def list_faces(n, next_arc, face_arcs, face_start):
+    """Cycles of the first n of `next_arc`, one after the other in `face_arcs`; returns their number."""
     done = 0
     faces = 0
     for a in range(n):

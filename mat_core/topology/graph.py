@@ -17,13 +17,26 @@ from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.kernels.jit import inner, jit
-from mat_core.kernels.layout import ARC_CONTACT, CURVATURE_LEAF, NEXT, VERTEX_LEAF
+from mat_core.kernels.layout import ARC_CONTACT, CURVATURE_LEAF, VERTEX_LEAF
+from mat_core.kernels.sorting import group
 from mat_core.tolerances import Tolerances
+from mat_core.topology.contracting import contract
+from mat_core.topology.rooms import numbers
 from mat_core.topology.skeleton import Skeleton
-from mat_core.topology.unite import COORDINATE, find, same_disc, unite
+from mat_core.topology.unite import COORDINATE
+
+Ints = NDArray[np.int64]
 
 BRANCH, CONVEX_VERTEX_NODE, CURVATURE_CENTER, ARC_CENTER, POINT = 0, 1, 2, 3, 4
 NODE_KINDS = ("branch", "convex_vertex", "curvature_center", "arc_center", "point")
+
+CONTRACT, WALK = 1, 2  # steps of `draw_graph`
+
+# rows of its room: while it contracts; while it walks, when the former are done with
+OF_DISC, OF_CONTACT = range(2)
+ENDS, SPARE, HALF_START, HALF_OF, NODE_OF, USED, STACK, STACK_PLACE = range(8)
+# rows of what it gives
+NODE_DISC, NODE_KIND, ORDER, RUN_START, RUN_STRIP, START_NODE, END_NODE = range(7)
 
 
 class AxisGraph(NamedTuple):
@@ -47,74 +60,34 @@ class AxisGraph(NamedTuple):
     cycles: int
 
 
-@inner
-def _contact_at(si, contact_start, contact_site, contact_s, d, site, s):
-    """The contact of disc d at s on a site; s = 1 is the start of the next site. Contacts of a disc stand in loop order."""
-    if s >= 1.0:
-        site = si[site, NEXT]
-        s = 0.0
-    low = contact_start[d]
-    high = contact_start[d + 1]
-    while low < high:
-        middle = (low + high) // 2
-        if contact_site[middle] < site or (contact_site[middle] == site and contact_s[middle] < s):
-            low = middle + 1
-        else:
-            high = middle
-    found = low < contact_start[d + 1] and contact_site[low] == site and contact_s[low] == s
-    return low if found else -1
-
-
 @jit
-def contract(si, disc, kind, strip_i, strip_s, contact_start, contact_site, contact_s, tolerance, parent, strip_alive,
-             contact_parent, contact_alive):
-    """Step 1: unite the ends of strips of no length; of each pair of contacts that fall together one dies.
+def draw_graph(steps, si, disc, kind, strip_i, strip_s, contact_start, contact_site, contact_s, tolerance, room, strip_alive,
+               contact_alive, drawn, run_forward):
+    """Steps 1 to 4; returns (strips that died, nodes, runs, strips in them, components, closed runs).
 
-    A strip of no length can still have sides (where a footpoint runs along a circle about the disc's own centre): strips that
-    ended at the dead contact then end at the living one, so that all of the boundary stays owned.
+    steps: CONTRACT, WALK; of their sum only the former where strips died, as the skeleton has to be made anew before the walk.
     """
-    for d in range(disc.shape[0]):
-        parent[d] = d
-    for c in range(contact_site.shape[0]):
-        contact_alive[c] = True
-        contact_parent[c] = c
-    for n in range(strip_i.shape[0]):
-        strip_alive[n] = True
-        d0 = strip_i[n, 2]
-        d1 = strip_i[n, 3]
-        leaf = kind[d0] == VERTEX_LEAF or kind[d0] == CURVATURE_LEAF or kind[d1] == VERTEX_LEAF or kind[d1] == CURVATURE_LEAF
-        if leaf or d0 == d1 or find(parent, d0) == find(parent, d1) or not same_disc(disc, d0, d1, tolerance):
-            continue
-        unite(parent, d0, d1)
-        strip_alive[n] = False
-        for side in range(2):
-            a = _contact_at(si, contact_start, contact_site, contact_s, d0, strip_i[n, side], strip_s[n, 2 * side])
-            b = _contact_at(si, contact_start, contact_site, contact_s, d1, strip_i[n, side], strip_s[n, 2 * side + 1])
-            if a < 0 or b < 0:
-                continue
-            a = find(contact_parent, a)
-            b = find(contact_parent, b)
-            if a != b:
-                # a joint stays, a contact found next to it goes
-                keep = b if contact_s[b] == 0.0 and contact_s[a] != 0.0 else a
-                lose = a if keep == b else b
-                contact_parent[lose] = keep
-                contact_alive[lose] = False
-    for n in range(strip_i.shape[0]):
-        if strip_alive[n]:
-            for corner in range(4):
-                side = corner // 2
-                site = strip_i[n, side]
-                c = _contact_at(si, contact_start, contact_site, contact_s, strip_i[n, 2 + corner % 2], site, strip_s[n, corner])
-                kept = find(contact_parent, c) if c >= 0 else c
-                if kept == c:
-                    continue
-                if contact_site[kept] == site:
-                    strip_s[n, corner] = contact_s[kept]
-                elif contact_site[kept] == si[site, NEXT] and contact_s[kept] == 0.0:
-                    strip_s[n, corner] = 1.0
-    for d in range(disc.shape[0]):
-        parent[d] = find(parent, d)
+    died = 0
+    if steps & CONTRACT:
+        died = contract(si, disc, kind, strip_i, strip_s, contact_start, contact_site, contact_s, tolerance, room[OF_DISC],
+                        strip_alive, room[OF_CONTACT], contact_alive)
+    if died > 0 or not steps & WALK:
+        return died, 0, 0, 0, 0, 0
+    ends = room[ENDS]
+    half_start = room[HALF_START]
+    for half in range(2 * strip_i.shape[0]):
+        ends[half] = _leave(strip_i, half)
+        room[SPARE, half] = half
+    group(ends, 2 * strip_i.shape[0], kind.shape[0], half_start, room[HALF_OF], room[SPARE])
+    nodes, runs, done, components, closed = _walk_graph(
+        strip_i, half_start, room[HALF_OF], kind, room[USED], room[NODE_OF], drawn[NODE_DISC], drawn[RUN_START], drawn[RUN_STRIP],
+        run_forward, drawn[START_NODE], drawn[END_NODE], room[STACK], room[STACK_PLACE])
+    for n in range(nodes):
+        d = drawn[NODE_DISC, n]
+        degree = half_start[d + 1] - half_start[d]
+        drawn[NODE_KIND, n] = BRANCH if degree >= 3 else (POINT if degree == 0 else kind[d])
+        drawn[ORDER, n] = n
+    return 0, nodes, runs, done, components, closed
 
 
 @inner
@@ -123,9 +96,9 @@ def _leave(strip_i, half):
     return strip_i[half // 2, 2 + half % 2]
 
 
-@jit
-def walk_graph(strip_i, half_start, half_of, kind, used, node_of, order, run_start, run_strip, run_forward, start_node, end_node,
-               stack, nodes):
+@inner
+def _walk_graph(strip_i, half_start, half_of, kind, used, node_of, order, run_start, run_strip, run_forward, start_node,
+                end_node, stack, stack_place):
     """Steps 2 to 4 for halves (strip ends) listed by disc in `half_of[half_start[d]:half_start[d+1]]`.
 
     Fills `node_of` (disc -> node or -1), `order` (discs of the nodes as they are met) and the runs; returns (nodes, runs, strips,
@@ -136,6 +109,7 @@ def walk_graph(strip_i, half_start, half_of, kind, used, node_of, order, run_sta
         node_of[d] = -1
     for n in range(strip_i.shape[0]):
         used[n] = False
+    nodes = 0
     runs = 0
     done = 0
     components = 0
@@ -154,15 +128,15 @@ def walk_graph(strip_i, half_start, half_of, kind, used, node_of, order, run_sta
             order[nodes] = seed
             nodes += 1
             top = 0
-            stack[0, 0] = seed
-            stack[0, 1] = half_start[seed]
+            stack[0] = seed
+            stack_place[0] = half_start[seed]
             while top >= 0:
-                d = stack[top, 0]
-                place = stack[top, 1]
+                d = stack[top]
+                place = stack_place[top]
                 if place == half_start[d + 1]:
                     top -= 1
                     continue
-                stack[top, 1] = place + 1
+                stack_place[top] = place + 1
                 half = half_of[place]
                 if used[half // 2]:
                     continue
@@ -193,8 +167,8 @@ def walk_graph(strip_i, half_start, half_of, kind, used, node_of, order, run_sta
                 run_start[runs] = done
                 if new:
                     top += 1
-                    stack[top, 0] = other
-                    stack[top, 1] = half_start[other]
+                    stack[top] = other
+                    stack_place[top] = half_start[other]
     closed = 0
     for n in range(strip_i.shape[0]):
         if used[n]:
@@ -248,37 +222,31 @@ def build_graph(t: SiteTable, k: Skeleton, tolerances: Tolerances) -> tuple[Skel
     -------
     Skeleton, AxisGraph
     """
-    n_discs = len(k.disc)
-    parent = np.empty(n_discs, dtype=np.int64)
-    strip_alive = np.empty(len(k.strip_i), dtype=np.bool_)
-    contact_alive = np.empty(len(k.contact_site), dtype=np.bool_)
-    rounding = COORDINATE * float(np.abs(t.origin).max()) * t.scale
-    contract(t.si, k.disc, k.disc_kind, k.strip_i, k.strip_s, k.contact_start, k.contact_site, k.contact_s,
-             max(tolerances.same_node, rounding), parent, strip_alive, np.empty(len(k.contact_site), dtype=np.int64),
-             contact_alive)
-    if not strip_alive.all():
+    strip_alive, contact_alive = np.empty(len(k.strip_i), dtype=np.bool_), np.empty(len(k.contact_site), dtype=np.bool_)
+    rounding = COORDINATE * max(map(abs, t.origin.tolist())) * t.scale
+    shortest = max(tolerances.same_node, rounding)
+
+    def draw(steps: int, k: Skeleton) -> tuple[AxisGraph | None, Ints]:
+        strips, discs, contacts = len(k.strip_i), len(k.disc), len(k.contact_site)
+        room = numbers(8, max(2 * strips, discs + 1, contacts))
+        drawn, run_forward = numbers(7, max(strips + 1, discs)), np.empty(strips, dtype=np.bool_)
+        died, nodes, runs, done, components, closed = draw_graph(
+            steps, t.si, k.disc, k.disc_kind, k.strip_i, k.strip_s, k.contact_start, k.contact_site, k.contact_s, shortest, room,
+            strip_alive, contact_alive, drawn, run_forward)
+        if died > 0:
+            return None, room[OF_DISC, :discs]
+        cycles = (runs - closed) - nodes + (components - closed) + closed
+        graph = AxisGraph(drawn[NODE_DISC, :nodes], drawn[NODE_KIND, :nodes], drawn[RUN_START, : runs + 1],
+                          drawn[RUN_STRIP, :done], run_forward[:done], drawn[START_NODE, :runs], drawn[END_NODE, :runs],
+                          drawn[ORDER, :nodes], components, cycles)
+        return graph, room[OF_DISC, :0]
+
+    graph, parent = draw(CONTRACT | WALK, k)
+    if graph is None:
         k = _compress(k, parent, strip_alive, contact_alive)
-        n_discs = len(k.disc)
-    ends = k.strip_i[:, 2:].reshape(-1)
-    half_of = np.argsort(ends, kind="stable")
-    half_start = np.searchsorted(ends[half_of], np.arange(n_discs + 1))
-    strips = len(k.strip_i)
-    node_of = np.empty(n_discs, dtype=np.int64)
-    order = np.empty(n_discs, dtype=np.int64)
-    run_start = np.empty(strips + 1, dtype=np.int64)
-    run_strip = np.empty(strips, dtype=np.int64)
-    run_forward = np.empty(strips, dtype=np.bool_)
-    start_node = np.empty(strips, dtype=np.int64)
-    end_node = np.empty(strips, dtype=np.int64)
-    nodes, runs, done, components, closed = walk_graph(
-        k.strip_i, half_start, half_of, k.disc_kind, np.empty(strips, dtype=np.bool_), node_of, order, run_start, run_strip,
-        run_forward, start_node, end_node, np.empty((n_discs + 1, 2), dtype=np.int64), 0)
-    node_disc = order[:nodes]
-    degree = (half_start[1:] - half_start[:-1])[node_disc]
-    kind = np.where(degree >= 3, BRANCH, np.where(degree == 0, POINT, k.disc_kind[node_disc]))
-    cycles = (runs - closed) - nodes + (components - closed) + closed
-    return k, AxisGraph(node_disc, kind, run_start[: runs + 1], run_strip[:done], run_forward[:done], start_node[:runs],
-                        end_node[:runs], np.arange(nodes), components, int(cycles))
+        graph, _ = draw(WALK, k)
+    assert graph is not None
+    return k, graph
 
 
 def _compress(k: Skeleton, parent: NDArray[np.int64], strip_alive: NDArray[np.bool_],

@@ -6,21 +6,19 @@ other part can reach. Afterwards they are numbered on from those that were known
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
 from mat_core.errors import NotCertified
-from mat_core.kernels.boxtree import STACK, Tree
+from mat_core.kernels.boxtree import STACK
 from mat_core.kernels.curve import evaluate
 from mat_core.threads import Bounds, cut, cut_between, each
-from mat_core.topology.branches import LINK, SOLVE, solve_faces
+from mat_core.topology.branches import LINK, LIST, SOLVE, solve_faces
 from mat_core.topology.discs import NOT_EULER, OK
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from mat_core.topology.rooms import DISC_OF, Arrays, FaceRoom, Listed, numbers, room_for_faces, room_for_lists
+from mat_core.topology.skeleton import Skeleton
 
 
 def failure(table: SiteTable, site: int, what: str) -> NotCertified:
@@ -30,166 +28,131 @@ def failure(table: SiteTable, site: int, what: str) -> NotCertified:
     return NotCertified(what, place=place)
 
 
-class Found(NamedTuple):
-    """Discs told apart, and their contacts in loop order.
-
-    discs, contacts: how many. disc, kind: room for more; site, s, owner and angle of each contact; arc a runs from contact a up
-    to arc_hi[a], where contact next_contact[a] is.
-    """
+class Counts(NamedTuple):
+    """How many there are: of discs, contacts, strips and arcs in whole contact; and of faces."""
 
     discs: int
     contacts: int
-    disc: Floats
-    kind: Ints
-    site: Ints
-    s: Floats
-    owner: Ints
-    angle: Floats
-    arc_hi: Floats
-    next_contact: Ints
+    strips: int
+    wholes: int
+    faces: int
 
 
-class Links(NamedTuple):
-    """Room to tie n arcs of D discs to faces: around_start (D + 1,); place_around, next_arc, face_arcs (n,)."""
+class Part(NamedTuple):
+    """What a part gives: its discs, numbered from `begin` on, contacts in no order, strips and arcs in whole contact."""
 
-    around_start: Ints
-    place_around: Ints
-    next_arc: Ints
-    face_arcs: Ints
-
-
-class FaceRoom(NamedTuple):
-    """Room to solve faces of n arcs in all, with c contacts known before.
-
-    stack (STACK,): for walks through the tree of boxes. Faces: face_start, stack_i, stack_f, see `topology.branches`. Results:
-    disc_of, contact_site, contact_s; strip_i, strip_s; whole_i, whole_s. The rest is for the face at hand.
-    """
-
-    stack: Ints
-    face_start: Ints
-    stack_i: Ints
-    stack_f: Floats
-    disc_of: Ints
-    contact_site: Ints
-    contact_s: Floats
-    strip_i: Ints
-    strip_s: Floats
-    whole_i: Ints
-    whole_s: Floats
-    w_i: Ints
-    w_f: Floats
-    contacts_i: Ints
-    contacts_s: Floats
-    node_first: Ints
-    bracket_i: Ints
-    bracket_f: Floats
-    tri_site: Ints
-    tri_s: Floats
-    tri_lo: Floats
-    tri_hi: Floats
+    begin: int
+    disc: Any
+    contact_i: Any
+    contact_s: Any
+    strip_i: Any
+    strip_s: Any
+    whole_i: Any
+    whole_s: Any
 
     @classmethod
-    def of(cls, n: int, c: int) -> FaceRoom:
-        """Three new contacts for each branch point, two for each disc that splits a large face."""
-        rows = 4 * n + 64
-        return cls(
-            _numbers(STACK), _numbers(n + rows + 1), _rows_i(n + rows, 2), np.empty((n + rows, 2)), _numbers(c + rows),
-            _numbers(c + rows), np.empty(c + rows), _rows_i(3 * n + 2, 4), np.empty((3 * n + 2, 4)), _rows_i(n, 2),
-            np.empty((n, 2)), _rows_i(n, 2), np.empty((n, 2)), _numbers(4 * n + 8), np.empty(4 * n + 8), _numbers(n + 2),
-            _rows_i(n + 4, 2), np.empty((n + 4, 2)), _numbers(3), np.empty(3), np.empty(3), np.empty(3))
-
-
-def _numbers(n: int) -> Ints:
-    return np.empty(n, dtype=np.int64)
-
-
-def _rows_i(n: int, columns: int) -> Ints:
-    return np.empty((n, columns), dtype=np.int64)
-
-
-class Solved(NamedTuple):
-    """All discs; disc_of, site, s of contacts in no order; strips and arcs in whole contact as in `skeleton.Skeleton`."""
-
-    disc: Floats
-    disc_of: Ints
-    site: Ints
-    s: Floats
-    strip_i: Ints
-    strip_s: Floats
-    whole_i: Ints
-    whole_s: Floats
+    def of(cls, begin: int, disc: Any, room: FaceRoom, n: Counts) -> Part:
+        """Copies of what is filled, for the room is five times as large."""
+        return cls(begin, disc[begin : n.discs], room.contact_i[:, : n.contacts].copy(), room.contact_s[: n.contacts].copy(),
+                   room.strip_i[: n.strips].copy(), room.strip_s[: n.strips].copy(), room.whole_i[: n.wholes].copy(),
+                   room.whole_s[: n.wholes].copy())
 
 
 class _Task(NamedTuple):
-    """What every call of the kernel is given; `order`: contacts by disc and around it, `disc`: room for two more a contact."""
+    """What every call of the kernel is given; disc: room for two more a contact, of which `known` were found at joints."""
 
     t: SiteTable
-    tree: Tree
+    tree: Arrays
     tie: float
-    found: Found
-    links: Links
-    order: Ints
-    disc: Floats
+    faces: int
+    found: Arrays
+    disc: Any
+    known: int
 
-    def run(self, steps: int, faces: int, room: FaceRoom, discs: int, contacts: int, most: int) -> tuple[Solved, int]:
-        """`solve_faces` with room for `most` discs, of which `discs` are there; what is there afterwards, and how many faces."""
-        t, f = self.t, self.found
+    def run(
+        self, steps: int, links: Any, room: Arrays, listed: Arrays, faces: int, disc: Any, discs: int, contacts: int
+    ) -> Counts:
+        """`solve_faces` with the room for discs `disc`, of which `discs` are there; what is there afterwards."""
+        t = self.t
         status, discs, contacts, strips, wholes, place, made = solve_faces(
-            steps, t.si, t.sf, t.cp, self.tree, self.tie, faces, f.owner, self.order, f.next_contact, f.arc_hi, self.links, room,
-            self.disc[:most], discs, contacts)
+            steps, t.si, t.sf, t.cp, self.tree, numbers(STACK), self.tie, faces, self.found, links, tuple(room), tuple(listed),
+            disc, self.known, discs, contacts)
         if status == NOT_EULER:
             raise failure(t, 0, f"the discs cut the domain into {made} faces where Euler's identity asks for {faces}")
         if status != OK:
             raise failure(t, int(place), "a branch point was not found where three or more parts of the boundary meet")
-        return Solved(self.disc[:discs], room.disc_of[:contacts], room.contact_site[:contacts], room.contact_s[:contacts],
-                      room.strip_i[:strips], room.strip_s[:strips], room.whole_i[:wholes], room.whole_s[:wholes]), made
+        return Counts(discs, contacts, strips, wholes, made)
 
 
-def solve_all(t: SiteTable, tree: Tree, f: Found, tie: float, threads: int) -> tuple[Solved, int]:
-    """All discs, contacts, strips and whole arcs, and the number of faces."""
-    n = f.contacts
-    expected = 1 - (len(t.loop_start) - 2) + n - f.discs
-    disc = np.empty((f.discs + 2 * n, 3))
-    disc[: f.discs] = f.disc[: f.discs]
-    links = Links(_numbers(f.discs + 1), _numbers(n), _numbers(n), _numbers(n))
-    task = _Task(t, tree, tie, f, links, np.lexsort((f.angle, f.owner)), disc)
-    small = len(cut(n)) == 1
-    room = FaceRoom.of(n if small else 0, n)
-    room.contact_site[:n] = f.site
-    room.contact_s[:n] = f.s
-    if small:
-        return task.run(LINK | SOLVE, expected, room, f.discs, n, len(disc))
-    room = room._replace(face_start=_numbers(n + 1), stack_i=_rows_i(n, 2), stack_f=np.empty((n, 2)))
-    known, faces = task.run(LINK, expected, room, f.discs, n, len(disc))
-    nothing = _numbers(0)  # what tied the arcs to faces has done its work
-    task = task._replace(links=Links(nothing, nothing, nothing, nothing), order=nothing)
-    del links
-    begins = room.face_start[:faces]
-    made = each(lambda part: _solve_part(task, room, faces, part), cut_between(begins, n), threads)
-    return _gathered(known, made), faces
+_NOTHING = numbers(0, 0)
+_NO_LISTS = room_for_lists(0, 0)
 
 
-def _solve_part(task: _Task, room: FaceRoom, faces: int, part: Bounds) -> tuple[int, Solved]:
-    """The faces with the arcs from .. to - 1 of `room`: the number of the first new disc, and what is new."""
+def solve_all(t: SiteTable, tree: Arrays, found: Arrays, discs: int, contacts: int, tie: float, threads: int) -> Skeleton:
+    """All discs, contacts, strips and whole arcs, from discs told apart and their contacts."""
+    faces = 1 - (len(t.loop_start) - 2) + contacts - discs
+    disc = np.empty((discs + 2 * contacts, 3))
+    disc[:discs] = found[0][:discs]
+    task = _Task(t, tree, tie, faces, found, disc, discs)
+    if len(cut(contacts)) > 1:
+        return _solve_in_parts(task, discs, contacts, threads)
+    links = numbers(5, max(discs + 1, contacts))
+    room = room_for_faces(contacts, contacts)
+    listed = room_for_lists(len(disc), len(room[4]))
+    n = task.run(LINK | SOLVE | LIST, links, room, listed, faces, disc, discs, contacts)
+    return _skeleton(disc, FaceRoom(*room), Listed(*listed), n)
+
+
+def _skeleton(disc: Any, room: FaceRoom, listed: Listed, n: Counts) -> Skeleton:
+    """The filled rows."""
+    return Skeleton(
+        disc[: n.discs], listed.kind[: n.discs], listed.start[: n.discs + 1], listed.site[: n.contacts], listed.s[: n.contacts],
+        room.strip_i[: n.strips], room.strip_s[: n.strips], room.whole_i[: n.wholes], room.whole_s[: n.wholes], n.faces)
+
+
+def _solve_in_parts(task: _Task, discs: int, contacts: int, threads: int) -> Skeleton:
+    """The same on several threads."""
+    disc, room, n = _gathered(task, _solve_parts(task, discs, contacts, threads))
+    listed = Listed(*room_for_lists(n.discs, n.contacts))
+    task.run(LIST, _NOTHING, room, listed, task.faces, disc, n.discs, n.contacts)
+    return _skeleton(disc, room, listed, n)
+
+
+def _solve_parts(task: _Task, discs: int, contacts: int, threads: int) -> list[Part]:
+    """What was known before, and what each part gives."""
+    room = FaceRoom(*room_for_faces(0, contacts))
+    room = room._replace(face_start=numbers(contacts + 1), stack_i=numbers(contacts, 2), stack_f=np.empty((contacts, 2)))
+    task.run(LINK, numbers(5, max(discs + 1, contacts)), room, _NO_LISTS, task.faces, task.disc, discs, contacts)
+    known = Part.of(discs, task.disc, room, Counts(discs, contacts, 0, 0, task.faces))
+    parts = cut_between(room.face_start[: task.faces], contacts)
+    return [known, *each(lambda part: _solve_part(task, room, part), parts, threads)]
+
+
+def _solve_part(task: _Task, room: FaceRoom, part: Bounds) -> Part:
+    """The faces with the arcs from .. to - 1 of `room`."""
     first, last = part
-    start = room.face_start[: faces + 1]
+    start = room.face_start[: task.faces + 1]
     start = start[np.searchsorted(start, first) : np.searchsorted(start, last) + 1] - first
-    own = FaceRoom.of(last - first, 0)
+    own = FaceRoom(*room_for_faces(last - first, 0))
     own.face_start[: len(start)] = start
     own.stack_i[: last - first] = room.stack_i[first:last]
     own.stack_f[: last - first] = room.stack_f[first:last]
-    begin = task.found.discs + 2 * first
-    made, _ = task.run(SOLVE, len(start) - 1, own, begin, 0, task.found.discs + 2 * last)
-    # copies, for the room is five times as large
-    return begin, Solved(made.disc[begin:], made.disc_of.copy(), made.site.copy(), made.s.copy(), made.strip_i.copy(),
-                         made.strip_s.copy(), made.whole_i.copy(), made.whole_s.copy())
+    begin = task.known + 2 * first
+    n = task.run(SOLVE, _NOTHING, own, _NO_LISTS, len(start) - 1, task.disc[: task.known + 2 * last], begin, 0)
+    return Part.of(begin, task.disc, own, n)
 
 
-def _gathered(known: Solved, parts: list[tuple[int, Solved]]) -> Solved:
-    """What all parts give in one, their discs numbered on from those that were known."""
-    discs = before = len(known.disc)
-    for begin, made in parts:
-        for numbers in (made.disc_of, made.strip_i[:, 2:], made.whole_i[:, 1:]):
-            numbers[numbers >= before] += discs - begin
-        discs += len(made.disc)
-    return Solved(*(np.concatenate(columns) for columns in zip(known, *(made for _, made in parts), strict=True)))
+def _gathered(task: _Task, every: list[Part]) -> tuple[Any, FaceRoom, Counts]:
+    """What all parts give in one, their discs numbered on from those that were known, which the first one tells."""
+    discs = task.known
+    made = every[1:]
+    for part in made:
+        for discs_of in (part.contact_i[DISC_OF], part.strip_i[:, 2:], part.whole_i[:, 1:]):
+            discs_of[discs_of >= task.known] += discs - part.begin
+        discs += len(part.disc)
+    disc = np.concatenate([task.disc[: task.known], *(part.disc for part in made)])
+    contact_i = np.concatenate([part.contact_i for part in every], axis=1)
+    room = FaceRoom(*room_for_faces(0, 0))._replace(contact_i=contact_i)
+    columns = ("contact_s", "strip_i", "strip_s", "whole_i", "whole_s")
+    room = room._replace(**{name: np.concatenate([getattr(part, name) for part in every]) for name in columns})
+    return disc, room, Counts(discs, len(room.contact_s), len(room.strip_i), len(room.whole_i), task.faces)

@@ -122,11 +122,11 @@ def unite_at_joints(si, sf, disc, kind, winner, winner_s, parent, alive, tight, 
 
 
 @inner
-def group_contacts(owner, alive, parent, first, member_next, last):
+def group_contacts(owner, contacts, alive, parent, discs, first, member_next, last):
     """Linked lists of the living contacts of each united disc."""
-    for d in range(first.shape[0]):
+    for d in range(discs):
         first[d] = -1
-    for c in range(owner.shape[0]):
+    for c in range(contacts):
         if not alive[c]:
             continue
         d = find(parent, owner[c])
@@ -209,12 +209,11 @@ def _can_cross(kind, parent, d):
 
 
 @inner
-def unite_whole(si, sf, disc, kind, winner, sweep, by_sweep, parent, tolerance):
+def unite_whole(si, sf, disc, n, kind, winner, sweep, by_sweep, parent, tolerance):
     """Unite discs in contact with arcs of one circle, wherever on the boundary these are (the roots of a gear's teeth).
 
-    `sweep`: a coordinate of the centres; `by_sweep`: discs in its order.
+    `sweep`: a coordinate of the centres; `by_sweep`: the n discs in its order.
     """
-    n = by_sweep.shape[0]
     for position in range(n):
         a = by_sweep[position]
         if kind[a] != ARC_CONTACT:
@@ -230,12 +229,12 @@ def unite_whole(si, sf, disc, kind, winner, sweep, by_sweep, parent, tolerance):
 
 
 @inner
-def unite_interleaved(si, loop_start, disc, kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last, tolerance):
+def unite_interleaved(si, loop_start, disc, n, kind, site, s, angle, sweep, by_sweep, parent, first, member_next, last,
+                      tolerance):
     """Unite nearly equal discs whose contacts interleave (two pairs of opposite contacts of one 4-way disc, say).
 
-    `sweep`: a coordinate of the centres; `by_sweep`: discs in its order.
+    `sweep`: a coordinate of the centres; `by_sweep`: the n discs in its order.
     """
-    n = by_sweep.shape[0]
     for position in range(n):
         a = by_sweep[position]
         if not _can_cross(kind, parent, a):

@@ -28,7 +28,7 @@ class Accused(NamedTuple):
 
     def judge(self) -> Json:
         """Its certificate."""
-        return certify(self.table, self.skeleton, self.graph, self.curves, self.tolerance, domain=self.domain)
+        return dict(certify(self.table, self.skeleton, self.graph, self.curves, self.tolerance, domain=self.domain))
 
     def with_discs(self, **arrays: Any) -> Accused:
         """The same with other arrays in the skeleton."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from mat_core.certificate.certify import Boxes, boxes_for
-from mat_core.certificate.inputs import NOTHING, Boundary, Curves, taken
+from mat_core.certificate.inputs import Boundary, boundary_of
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import jit
 from mat_core.kernels.judge import depth, depth_near, distance_from, foot
@@ -21,17 +23,19 @@ DENSE = 2000
 @jit
 def depth_in(t, boxes, x, y, r):
     """`depth` in boxes not yet filled."""
+    t, boxes = Boundary(*t), Boxes(*boxes)
     fill_boxes(t.si, t.sf, t.cp, boxes.order, boxes.box)
-    return depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.stack, boxes.work, boxes.binomial, x, y, r, -1, 0.0, -1, 0.0)
+    return depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.walk[0], boxes.work, boxes.binomial, x, y, r, -1, 0.0, -1, 0.0)
 
 
 @jit
 def depth_along(t, boxes, ax, ay, bx, by, x, y, r):
     """(leaves, depth) by the leaves that are near the line from a to b; leaves are -1 where they have no room."""
+    t, boxes = Boundary(*t), Boxes(*boxes)
     fill_boxes(t.si, t.sf, t.cp, boxes.order, boxes.box)
     reach = stretch(ax, ay, bx, by, x, y, r)
-    count = leaves_near(boxes.box, boxes.stack, boxes.near, ax, ay, bx, by, reach)
-    inside = depth_near(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.near, count, boxes.work, boxes.binomial, x, y, r,
+    count = leaves_near(boxes.box, boxes.walk[0], boxes.walk[1], ax, ay, bx, by, reach)
+    inside = depth_near(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.walk[1], count, boxes.work, boxes.binomial, x, y, r,
                         -1, 0.0, -1, 0.0)
     return count, inside
 
@@ -52,10 +56,9 @@ def distance_to(si, sf, cp, i, guess, x, y, r):
     return distance_from(si, sf, cp, i, 0.0, 1.0, guess, x, y, r, 0.0)[0]
 
 
-def tree_of(a: Accused) -> tuple[Boundary, Boxes]:
+def tree_of(a: Accused) -> tuple[Any, Any]:
     """The boundary and room for its tree."""
-    t = taken(Boundary, a.table)
-    return t, boxes_for(t, NOTHING, taken(Curves, a.curves))
+    return boundary_of(a.table), boxes_for(a.table)
 
 
 def dense_points(table: object) -> np.ndarray:

@@ -15,8 +15,9 @@ from mat_core.curves.assemble import build_curves
 from mat_core.curves.pieces import MAX_PIECES
 from mat_core.kernels.layout import KIND, SPIRAL
 from mat_core.tolerances import LADDER
+from mat_core.topology.building import build_skeleton
 from mat_core.topology.graph import AxisGraph, build_graph
-from mat_core.topology.skeleton import Skeleton, build_skeleton
+from mat_core.topology.skeleton import Skeleton
 from tests.families import CATALOGUE
 
 Stages = tuple[SiteTable, Skeleton, AxisGraph]

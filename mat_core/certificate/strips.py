@@ -1,0 +1,232 @@
+"""Strips: discs found anew from either side are empty and touch, and curves run along the axis within the error they state.
+
+A disc tangent to the boundary at p and q that holds no boundary point inside is the maximal disc at p, and the one at
+q; there is no other. So a partner is confirmed from one side by growing the disc tangent at p until it touches the
+other side of the strip, and asking all of the boundary whether it reaches into it:
+
+    r <- |D|^2 / (2 n.D),   D = q - p,   q = foot of p + r n on the other side   (converges quadratically)
+
+Why a few discs are enough for a strip: cutting a domain along maximal discs leaves sub-domains whose axes have nothing
+to do with each other (Choi, Choi, Moon 1997). When the discs at both ends of a strip are empty and touch where they
+should, and nothing else lies between their footpoints (coverage), the sub-domain in between has just two sides, and
+neither can be its own partner, because its curvature is monotone (Vogt). Discs inside confirm what then cannot be
+otherwise, and would show a piece whose curvature is not monotone.
+
+A curve states a bound e of |c' - c| + |r' - r| between its discs (c', r') and true axis discs (c, r). The distance of c'
+from either side then differs from r' by at most e; that much is granted, no more.
+
+All these discs are probes: rows x, y, r, s, off of a table. Those of a strip are near each other, so one walk through the
+tree of boxes gathers what any of them may reach into (most strips have one piece of a curve; the pieces of others are
+gathered for one by one).
+"""
+
+from __future__ import annotations
+
+import math
+
+from mat_core.certificate.discs import missed
+from mat_core.certificate.report import CURVES_EMPTY, CURVES_ON_AXIS, PARTNERS_LEFT, PARTNERS_RIGHT, worst
+from mat_core.kernels.curve import evaluate
+from mat_core.kernels.jit import inner
+from mat_core.kernels.judge import CLOSE, depth, depth_near, distance_from
+from mat_core.kernels.judge_ball import ball
+from mat_core.kernels.judge_boxes import leaves_near, stretch
+from mat_core.kernels.judge_spline import spline_value
+from mat_core.kernels.layout import FAN, KIND, LEN, SWEEP
+
+ANEW = (0.44, 0.59)  # where in a strip, on its right and on its left side, discs are found anew
+SAMPLES = (0.057, 0.281, 0.473, 0.726, 0.894)  # of a piece; at places of no symmetry, so not at those of a fit
+SAME_DISC = 1e-9  # a strip between discs nearer than this has no inside to look at
+NO_SIDE = 1e-11  # nor is there anything to start from on a side shorter than this, unless both are
+
+# rows of the probes: samples of a piece, then the discs found anew; columns: disc, its foot, how far it is from touching there
+PROBES = len(SAMPLES) + len(ANEW)
+PARTNERS = len(SAMPLES)
+X, Y, R, FOOT, OFF = range(5)
+
+
+@inner
+def list_parts(k, c, part_of, run_of):
+    """The first part of each strip's curve and its segment; -1 where there is none."""
+    for strip in range(k.strip_i.shape[0]):
+        part_of[strip] = -1
+        run_of[strip] = -1
+    for run in range(c.degree.shape[0]):
+        for part in range(c.part_start[run + 1] - 1, c.part_start[run] - 1, -1):
+            part_of[c.part_i[part, 1]] = part
+            run_of[c.part_i[part, 1]] = run
+
+
+@inner
+def check_strip(t, k, c, strip, part, run, boxes, slack, figures):
+    """Discs found anew from either side of a strip, and samples of its curve, which begins with `part` of segment `run`.
+
+    part: -1 for no curve. slack: what is granted to emptiness.
+    """
+    d0 = k.strip_i[strip, 2]
+    d1 = k.strip_i[strip, 3]
+    radius = 0.5 * (k.disc[d0, 2] + k.disc[d1, 2])
+    right, left = _sides(t, k, strip, radius)
+    for side in range(2):
+        if left if side else right:
+            _find_anew(t, k, strip, side, radius, False, boxes.probe)
+        else:
+            _probe(boxes.probe, PARTNERS + side, k.disc[d0, 0], k.disc[d0, 1], 0.0, 0.0, 0.0)
+    end = c.part_start[run + 1] if part >= 0 else -1
+    single = part >= 0 and (part + 1 == end or c.part_i[part + 1, 1] != strip)
+    if single:
+        _sample(c, run, part, boxes)
+    count = _gather(boxes, k.disc[d0, 0], k.disc[d0, 1], k.disc[d1, 0], k.disc[d1, 1], 0 if single else PARTNERS, PROBES)
+    if right:
+        _judge_partner(t, k, strip, 0, radius, count, boxes, slack, PARTNERS_RIGHT, figures)
+    if left:
+        _judge_partner(t, k, strip, 1, radius, count, boxes, slack, PARTNERS_LEFT, figures)
+    if single:
+        _judge_piece(t, k, strip, c.max_error[run], count, boxes, slack, figures)
+        return
+    probe = boxes.probe
+    last = PARTNERS - 1
+    while 0 <= part < end and c.part_i[part, 1] == strip:
+        _sample(c, run, part, boxes)
+        count = _gather(boxes, probe[0, X], probe[0, Y], probe[last, X], probe[last, Y], 0, PARTNERS)
+        _judge_piece(t, k, strip, c.max_error[run], count, boxes, slack, figures)
+        part += 1
+
+
+@inner
+def _probe(probe, row, x, y, r, s, off):
+    """Fill one row."""
+    probe[row, X] = x
+    probe[row, Y] = y
+    probe[row, R] = r
+    probe[row, FOOT] = s
+    probe[row, OFF] = off
+
+
+@inner
+def _gather(boxes, ax, ay, bx, by, first, last):
+    """Leaves that any of the probes first .. last - 1 may reach into, near the line from a to b: how many, -1 if too many."""
+    reach = 0.0
+    for n in range(first, last):
+        own = stretch(ax, ay, bx, by, boxes.probe[n, X], boxes.probe[n, Y], boxes.probe[n, R])
+        if not own <= reach:
+            reach = own
+    return leaves_near(boxes.box, boxes.walk[0], boxes.walk[1], ax, ay, bx, by, reach)
+
+
+@inner
+def _depth(t, boxes, count, row, i0, s0, i1, s1):
+    """How deep the boundary reaches into a probe; by `count` gathered leaves, or by all of the tree where that is -1."""
+    x = boxes.probe[row, X]
+    y = boxes.probe[row, Y]
+    r = boxes.probe[row, R]
+    if count >= 0:
+        return depth_near(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.walk[1], count, boxes.work, boxes.binomial, x, y, r,
+                          i0, s0, i1, s1)
+    return depth(t.si, t.sf, t.cp, boxes.order, boxes.box, boxes.walk[0], boxes.work, boxes.binomial, x, y, r, i0, s0, i1, s1)
+
+
+@inner
+def _width(t, k, strip, side, radius):
+    """Length of a strip's side."""
+    i = k.strip_i[strip, side]
+    whole = abs(t.sf[i, SWEEP]) * radius if t.si[i, KIND] == FAN else t.sf[i, LEN]
+    return whole * abs(k.strip_s[strip, 2 * side + 1] - k.strip_s[strip, 2 * side])
+
+
+@inner
+def _sides(t, k, strip, radius):
+    """(right, left): from which sides a disc is found anew; of a strip that has an inside, those that have a length."""
+    d0 = k.strip_i[strip, 2]
+    d1 = k.strip_i[strip, 3]
+    apart = 0.0
+    for axis in range(3):
+        apart = max(apart, abs(k.disc[d1, axis] - k.disc[d0, axis]))
+    s = k.strip_s
+    if not apart > SAME_DISC and s[strip, 1] - s[strip, 0] <= 0.5 and s[strip, 2] - s[strip, 3] <= 0.5:
+        return False, False
+    right = _width(t, k, strip, 0, radius) > NO_SIDE
+    left = _width(t, k, strip, 1, radius) > NO_SIDE
+    neither = not right and not left
+    return right or neither, left or neither
+
+
+@inner
+def _aim(k, strip, side):
+    """(i, s, j, lo, hi, guess): a disc at s on site i of one side of a strip touches lo .. hi of site j, near `guess` maybe."""
+    s = k.strip_s
+    if side == 0:
+        at = s[strip, 0] + ANEW[0] * (s[strip, 1] - s[strip, 0])
+        guess = s[strip, 2] + ANEW[0] * (s[strip, 3] - s[strip, 2])
+        return k.strip_i[strip, 0], at, k.strip_i[strip, 1], s[strip, 3], s[strip, 2], guess
+    at = s[strip, 3] + ANEW[1] * (s[strip, 2] - s[strip, 3])
+    guess = s[strip, 1] + ANEW[1] * (s[strip, 0] - s[strip, 1])
+    return k.strip_i[strip, 1], at, k.strip_i[strip, 0], s[strip, 0], s[strip, 1], guess
+
+
+@inner
+def _find_anew(t, k, strip, side, radius, thorough, probe):
+    """The disc tangent to one side of a strip that touches the other, to its row of the probes; r = inf if there is none."""
+    i, s, j, lo, hi, guess = _aim(k, strip, side)
+    x, y, tx, ty, curvature, speed = evaluate(t.si, t.sf, t.cp, i, s, 0.0, 0.0)
+    r, at, qx, qy, ux, uy = ball(t.si, t.sf, t.cp, i, s, x, y, tx, ty, j, lo, hi, radius, guess, thorough)
+    if not r < math.inf:
+        _probe(probe, PARTNERS + side, x, y, math.inf, guess, math.inf)
+        return
+    cx = x - r * ty
+    cy = y + r * tx
+    _probe(probe, PARTNERS + side, cx, cy, r, at, missed(t.si, t.sf, j, at, qx - cx, qy - cy, ux, uy, r))
+
+
+@inner
+def _judge_partner(t, k, strip, side, radius, count, boxes, slack, check, figures):
+    """The disc found anew from one side is empty and touches; `count` leaves were gathered for it."""
+    i, s, j, lo, hi, guess = _aim(k, strip, side)
+    row = PARTNERS + side
+    probe = boxes.probe
+    inside = _depth(t, boxes, count, row, i, s, j, probe[row, FOOT]) - slack
+    off = probe[row, OFF]
+    x = probe[row, X]
+    y = probe[row, Y]
+    if not (inside <= CLOSE and off <= CLOSE):
+        # a disc that is not confirmed was too large, maybe: then all of the other side is searched
+        _find_anew(t, k, strip, side, radius, True, probe)
+        if probe[row, R] < math.inf:
+            inside = _depth(t, boxes, -1, row, i, s, j, probe[row, FOOT]) - slack
+            off = probe[row, OFF]
+            x = probe[row, X]
+            y = probe[row, Y]
+    worst(figures, check, inside, x, y)
+    worst(figures, check, off, x, y)
+
+
+@inner
+def _sample(c, run, part, boxes):
+    """Probes along one piece of a curve."""
+    for n in range(PARTNERS):
+        at = c.part_f[part, 0] + SAMPLES[n] * (c.part_f[part, 1] - c.part_f[part, 0])
+        spline_value(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, 3, run, at, boxes.points)
+        _probe(boxes.probe, n, boxes.points[0, 0], boxes.points[0, 1], boxes.points[0, 2], 0.0, 0.0)
+
+
+@inner
+def _judge_piece(t, k, strip, error, count, boxes, slack, figures):
+    """Samples of a piece touch either side of their strip, and the boundary stays out of them; error: what the curve states."""
+    granted = error + slack
+    probe = boxes.probe
+    right = k.strip_i[strip, 0]
+    left = k.strip_i[strip, 1]
+    s = k.strip_s
+    s_right = 0.5 * (s[strip, 0] + s[strip, 1])
+    s_left = 0.5 * (s[strip, 2] + s[strip, 3])
+    for n in range(PARTNERS):
+        x = probe[n, X]
+        y = probe[n, Y]
+        r = probe[n, R]
+        # the feet of the sample before are near
+        off, s_right = distance_from(t.si, t.sf, t.cp, right, s[strip, 0], s[strip, 1], s_right, x, y, r, granted)
+        worst(figures, CURVES_ON_AXIS, off - granted, x, y)
+        off, s_left = distance_from(t.si, t.sf, t.cp, left, s[strip, 3], s[strip, 2], s_left, x, y, r, granted)
+        worst(figures, CURVES_ON_AXIS, off - granted, x, y)
+        inside = _depth(t, boxes, count, n, right, s_right, left, s_left)
+        worst(figures, CURVES_EMPTY, inside - granted, x, y)
