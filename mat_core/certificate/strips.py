@@ -77,18 +77,15 @@ def check_strip(t, k, c, strip, part, run, boxes, slack, figures):
     if single:
         _sample(c, run, part, boxes)
     count = _gather(boxes, k.disc[d0, 0], k.disc[d0, 1], k.disc[d1, 0], k.disc[d1, 1], 0 if single else PARTNERS, PROBES)
-    if right:
-        _judge_partner(t, k, strip, 0, radius, count, boxes, slack, PARTNERS_RIGHT, figures)
-    if left:
-        _judge_partner(t, k, strip, 1, radius, count, boxes, slack, PARTNERS_LEFT, figures)
-    if single:
-        _judge_piece(t, k, strip, c.max_error[run], count, boxes, slack, figures)
-        return
+    for side in range(2):
+        if left if side else right:
+            _judge_partner(t, k, strip, side, radius, count, boxes, slack, figures)
     probe = boxes.probe
     last = PARTNERS - 1
     while 0 <= part < end and c.part_i[part, 1] == strip:
-        _sample(c, run, part, boxes)
-        count = _gather(boxes, probe[0, X], probe[0, Y], probe[last, X], probe[last, Y], 0, PARTNERS)
+        if not single:
+            _sample(c, run, part, boxes)
+            count = _gather(boxes, probe[0, X], probe[0, Y], probe[last, X], probe[last, Y], 0, PARTNERS)
         _judge_piece(t, k, strip, c.max_error[run], count, boxes, slack, figures)
         part += 1
 
@@ -179,23 +176,26 @@ def _find_anew(t, k, strip, side, radius, thorough, probe):
 
 
 @inner
-def _judge_partner(t, k, strip, side, radius, count, boxes, slack, check, figures):
+def _judge_partner(t, k, strip, side, radius, count, boxes, slack, figures):
     """The disc found anew from one side is empty and touches; `count` leaves were gathered for it."""
     i, s, j, lo, hi, guess = _aim(k, strip, side)
     row = PARTNERS + side
     probe = boxes.probe
-    inside = _depth(t, boxes, count, row, i, s, j, probe[row, FOOT]) - slack
-    off = probe[row, OFF]
-    x = probe[row, X]
-    y = probe[row, Y]
-    if not (inside <= CLOSE and off <= CLOSE):
-        # a disc that is not confirmed was too large, maybe: then all of the other side is searched
-        _find_anew(t, k, strip, side, radius, True, probe)
-        if probe[row, R] < math.inf:
-            inside = _depth(t, boxes, -1, row, i, s, j, probe[row, FOOT]) - slack
-            off = probe[row, OFF]
-            x = probe[row, X]
-            y = probe[row, Y]
+    inside = off = x = y = 0.0
+    for attempt in range(2):
+        if attempt > 0:
+            # a disc that is not confirmed was too large, maybe: then all of the other side is searched
+            _find_anew(t, k, strip, side, radius, True, probe)
+            count = -1
+            if not probe[row, R] < math.inf:
+                break
+        inside = _depth(t, boxes, count, row, i, s, j, probe[row, FOOT]) - slack
+        off = probe[row, OFF]
+        x = probe[row, X]
+        y = probe[row, Y]
+        if inside <= CLOSE and off <= CLOSE:
+            break
+    check = PARTNERS_LEFT if side else PARTNERS_RIGHT
     worst(figures, check, inside, x, y)
     worst(figures, check, off, x, y)
 
