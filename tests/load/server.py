@@ -89,7 +89,7 @@ class Server:
         return used(self.process.pid), sum(used(pid) for pid in descendants(self.process.pid))
 
     def stop(self) -> None:
-        """Ask it to end, and see that it does."""
+        """Ask it to end, and see that it does; it may have ended already."""
         self.workers()
         self.process.send_signal(signal.SIGTERM)
         try:
