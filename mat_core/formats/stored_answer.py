@@ -5,7 +5,8 @@ certificate judges discs, graph and curves as the document holds them, by that w
 and what was changed by more than the certificate's limits is refused, and so is what was rounded to fewer digits than these.
 
 1. The witness is the axis of the domain, found with the tolerance and the smooth angle that the answer was made with.
-2. Nodes, segments and pieces must be as many as those of the witness and of the same kinds; the domain alone numbers them.
+2. Nodes, segments and pieces must be as many as those of the witness, numbered alike and of the same kinds. The domain alone
+   decides that, but method "march" numbers otherwise: its answers are refused, with a word on why.
 3. The document's discs, graph and curves take the place of the witness's own, and the certificate is made.
 4. Footpoints, and samples where there are any, are on the input's edges where they say, and on their discs' circles.
 
@@ -135,8 +136,11 @@ def _node_discs(witness: MedialAxis, nodes: Sequence[Json]) -> Floats:
     """(N, 3) normalised discs of the nodes."""
     _as_many("nodes", len(nodes), len(witness.runs.node_disc))
     _numbered("node", nodes)
-    for node, footpoints in zip(nodes, np.diff(witness.node_feet.start).tolist(), strict=True):
-        _as_many(f"footpoints of node {node['id']}", len(node["footpoints"]), footpoints)
+    told, found = [len(node["footpoints"]) for node in nodes], np.diff(witness.node_feet.start).tolist()
+    if told != found and sorted(told) == sorted(found):
+        raise NotCertified('its nodes are numbered otherwise than those found now; was it method "march", or another version?')
+    for number, counts in enumerate(zip(told, found, strict=True)):
+        _as_many(f"footpoints of node {number}", *counts)
     points = _numbers([node["point"] for node in nodes], "/graph/nodes", 2)
     radii = _numbers([node["radius"] for node in nodes], "/graph/nodes")
     return _normalised(witness, points, radii)
