@@ -8,15 +8,17 @@ ENV NUMBA_CPU_NAME=generic \
     NUMBA_CACHE_DIR=/opt/mat/kernels \
     PYTHONDONTWRITEBYTECODE=1
 WORKDIR /opt/mat
-RUN python -m venv /opt/mat/venv
-ENV PATH=/opt/mat/venv/bin:$PATH
+# Without pip, which what serves has no use for: the image's own installs.
+RUN python -m venv --without-pip /opt/mat/venv
 COPY requirements.lock ./
-RUN pip install --no-cache-dir --disable-pip-version-check --require-hashes -r requirements.lock
+RUN pip --python /opt/mat/venv install --no-cache-dir --disable-pip-version-check --require-hashes -r requirements.lock
+ENV PATH=/opt/mat/venv/bin:$PATH
 COPY mat_core/ mat_core/
 RUN python -W ignore::RuntimeWarning:runpy -m mat_core.warm
 COPY service/ service/
 COPY openapi/ openapi/
-RUN python -m compileall -q mat_core service venv/lib
+# By hash, not by time: a builder that sets the times of files anew would make every one of them stale.
+RUN python -m compileall -q --invalidation-mode unchecked-hash mat_core service venv/lib
 
 FROM python:3.13-slim
 # Kernels are found by the hash of their sources and by the processor's name, wherever they lie; nothing writes beside them.
@@ -27,7 +29,7 @@ ENV NUMBA_CPU_NAME=generic \
     MAT_DATA_DIR=/var/lib/mat \
     PATH=/opt/mat/venv/bin:$PATH \
     PYTHONDONTWRITEBYTECODE=1
-RUN useradd --system --uid 10001 --no-create-home mat && install -d -o mat -m 0700 /var/lib/mat
+RUN useradd --uid 10001 --no-create-home --shell /usr/sbin/nologin mat && install -d -o mat -m 0700 /var/lib/mat
 COPY --from=build /opt/mat /opt/mat
 WORKDIR /opt/mat
 USER 10001

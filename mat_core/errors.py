@@ -2,7 +2,7 @@
 
     MatError
     |-- InvalidDomain (also ValueError)       the input breaks rules of a valid domain: .problems, all of them
-    |-- UnreadableInput (also ValueError)     a file or text that outlines are read from is not what it should be
+    |-- UnreadableInput (also ValueError)     a file or text of outlines or an answer is not what it should be
     |-- UnsupportedOption (also ValueError)   an option of the call is unknown or out of its range: .option
     `-- NotCertified                          an axis was found but failed its own check: .place, .certificate, .detail
 
@@ -87,7 +87,7 @@ class InvalidDomain(MatError, ValueError):
 
 
 class UnreadableInput(MatError, ValueError):
-    """A file or text that outlines are read from is not what it should be; the message says what, and where."""
+    """A file or text that outlines or an answer are read from is not what it should be; the message says what, and where."""
 
 
 class UnsupportedOption(MatError, ValueError):

@@ -73,7 +73,7 @@ ERRORS: dict[str, ErrorKind] = {
     "no-such-process": ErrorKind(404, "There is no process of this name", uri=f"{OGC}/no-such-process"),
     "method-not-allowed": ErrorKind(405, "This address does not answer this method"),
     "not-acceptable": ErrorKind(406, "None of the formats asked for is available"),
-    "upload-timeout": ErrorKind(408, "The body did not come in time"),
+    "upload-timeout": ErrorKind(408, "The request did not come in time"),
     "idempotency-key-in-flight": ErrorKind(409, "A request with this Idempotency-Key is being received"),
     "job-dismissed": ErrorKind(410, "The job was dismissed"),
     "precondition-failed": ErrorKind(412, "The condition of the request does not hold"),

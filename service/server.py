@@ -22,6 +22,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from service.app import create_app
+from service.http.heads import heads_within
 from service.settings import Settings
 
 _log = logging.getLogger("service.server")
@@ -41,7 +42,10 @@ class Server(uvicorn.Server):
         drain = math.ceil(settings.shutdown_drain_seconds)
         # httptools, which uvicorn would take where it is there, saves an eighth of a small request here, and has no limit to
         # the size of a request's head
-        config = uvicorn.Config(app, http="h11", log_config=None, access_log=False, timeout_graceful_shutdown=drain)
+        protocol = heads_within(settings.head_seconds)
+        config = uvicorn.Config(
+            app, http=protocol, ws="none", log_config=None, access_log=False, timeout_graceful_shutdown=drain
+        )
         super().__init__(config)
         self._app = app
         self._notice_seconds = settings.shutdown_notice_seconds

@@ -137,6 +137,9 @@ class Settings:
         Largest domain; a larger one is answered 422 too-complex.
     deadline_seconds : float
         Longest time from a request's arrival to its answer, waiting included; then its worker is killed.
+    head_seconds : float
+        How long a request's head may take, from the connection's beginning or from the answer before it; then the connection is
+        closed, after a 408 where a part of a head has come.
     upload_seconds : float
         How long a request's body is waited for, and a second more for each 16 KiB that have come; then the answer is 408.
     queue_limit : int
@@ -187,6 +190,7 @@ class Settings:
     long_priority: str = field(default="idle", metadata={"read": _priority})
     max_body_bytes: int = field(default=16 * MIB, metadata={"read": _integer(KIB, 1024 * MIB)})
     deadline_seconds: float = field(default=30.0, metadata={"read": _seconds(0.05, 86_400)})
+    head_seconds: float = field(default=15.0, metadata={"read": _seconds(0.05, 86_400)})
     upload_seconds: float = field(default=30.0, metadata={"read": _seconds(0.05, 86_400)})
     queue_limit: int = field(default=64, metadata={"read": _integer(0, 100_000)})
     worker_memory_bytes: int = field(default=1024 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})

@@ -18,7 +18,7 @@ EXITS = {
     SOME_FAILED: "batch: some domains were not solved; their lines in the output say why",
     USAGE: "the command line cannot be carried out: an option, a file that is not there, an extra that is not installed",
     INVALID_INPUT: "the input is not JSON or not a valid domain",
-    NOT_CERTIFIED: "an axis was found but failed its certificate, and is withheld",
+    NOT_CERTIFIED: "an axis was found but failed its certificate, and is withheld; check: a stored answer failed it",
     FAILED: "something else failed: a disk that is full, the workers, a defect",
     INTERRUPTED: "interrupted (Ctrl-C)",
     BROKEN_PIPE: "whoever read the output went away",

@@ -32,6 +32,9 @@ WITH_HANDLERS_OF_THEIR_OWN = ("uvicorn", "uvicorn.error", "uvicorn.access", "dbo
 SILENT = "uvicorn.access"
 """Its line for each request says less than ours."""
 
+NEEDLESS = "ezdxf"
+"""Its warnings are of a list of fonts that it cannot keep where nothing may be written; nothing here needs fonts."""
+
 OUTPUT = "service.workers.output"
 """The logger of what the nursery and the workers wrote to standard error without a logger: a crash report, say."""
 
@@ -72,6 +75,7 @@ def install(level: str) -> None:
         logger.handlers = [logging.NullHandler()]  # one that is there keeps the library from adding its own
         logger.propagate = name != SILENT
     logging.getLogger(SILENT).disabled = True
+    logging.getLogger(NEEDLESS).setLevel(logging.ERROR)
 
 
 async def forward(stream: asyncio.StreamReader) -> None:

@@ -16,6 +16,7 @@ from service.settings import Settings
 from service.tasks import end
 from service.workers.channel import Channel
 from service.workers.nursery_link import NurseryLink
+from service.workers.process import processor_seconds
 
 RESTART_SECONDS = (0.5, 30.0)
 """First and longest pause before a nursery that ended is started again."""
@@ -71,6 +72,7 @@ class Crew:
         self._link: NurseryLink | None = None  # while it is loaded
         self._arrived = asyncio.Event()  # a worker has become idle
         self._workers: dict[int, Worker] = {}
+        self._pids: dict[int, int] = {}  # of workers, once the nursery has told
         self._idle: deque[Worker] = deque()
         self._idle_lowered: deque[Worker] = deque()
         self._numbers = 0
@@ -129,10 +131,14 @@ class Crew:
         self._keep_spare()
         return worker
 
+    def worked(self, worker: Worker) -> float:
+        """Seconds of processor time that a worker has used."""
+        return processor_seconds(self._pids.get(worker.number))
+
     def lower(self, worker: Worker) -> None:
         """Let a worker that turns out to have long work give way to others."""
-        worker.lowered = True
-        if self._link is not None and worker.number in self._workers:
+        if self._link is not None and worker.number in self._workers and not worker.lowered:
+            worker.lowered = True
             self._link.lower(worker.number)
 
     def give_back(self, worker: Worker, resident: int, served: int) -> None:
@@ -233,6 +239,8 @@ class Crew:
             self.load_failed = False
             self._link = link
             self._keep_spare()
+        elif event["event"] == "born":
+            self._pids[event["worker"]] = event["pid"]
         elif event["event"] == "gone":
             self._on_gone(event["worker"], event["exit_code"])
 
@@ -251,6 +259,7 @@ class Crew:
         """Take a worker out of use; an idle one ends when its channel closes."""
         worker.channel.close()
         self._workers.pop(worker.number, None)
+        self._pids.pop(worker.number, None)
         for idle in (self._idle, self._idle_lowered):
             if worker in idle:
                 idle.remove(worker)

@@ -141,6 +141,7 @@ class Nursery:
             self._become_worker(descriptor, nursery)
         os.close(descriptor)
         self._pids[worker] = pid
+        self._events.emit("born", worker=worker, pid=pid)
 
     def _become_worker(self, descriptor: int, nursery: int) -> NoReturn:
         """The child's side of the fork: drop what belongs to the nursery and work until the channel closes."""

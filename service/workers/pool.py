@@ -11,33 +11,23 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
 from service.settings import Settings
 from service.workers import wire
+from service.workers.attempt import Progress, Request, Stopped, answer_within
 from service.workers.channel import ChannelClosed, Message, Pieces
 from service.workers.chunks import Chunk
 from service.workers.crew import Crew, Reason, Worker, stop
 from service.workers.failures import DeadlineExceeded, PoolError, QueueFull, WorkerCrashed
-from service.workers.lanes import LONG_SECONDS, Lane, Lanes, Turn
+from service.workers.lanes import Lane, Lanes, Turn
 
 __all__ = ["DeadlineExceeded", "Pool", "PoolError", "QueueFull", "Reply", "Stats", "WorkerCrashed"]
 
 ATTEMPTS = 3
 """Workers that a request is handed to when each ended before it had read the request."""
-
-Progress = Callable[[str, float], None]
-
-
-class _Stopped(Exception):
-    """A worker was ended, and the request begins again; `reason` says why."""
-
-    def __init__(self, reason: Reason) -> None:
-        super().__init__(reason)
-        self.reason: Reason = reason
-
 
 @dataclass(frozen=True, slots=True)
 class Reply:
@@ -73,20 +63,6 @@ class Stats:
     running: Mapping[str, int]
     waiting: Mapping[str, int]
     kills: Mapping[str, int]
-
-
-@dataclass(slots=True)
-class _Request:
-    """One call of `Pool.solve` on its way."""
-
-    header: wire.Header
-    body: bytes
-    lane: Lane
-    progress: Progress | None
-    clock: asyncio.Timeout
-    seconds: float
-    arrived: float
-    unused: bool = False  # it wants a worker that has not worked before
 
 
 class Pool:
@@ -185,7 +161,7 @@ class Pool:
         try:
             async with asyncio.timeout(None if job else seconds) as clock:
                 lane = Lane.of(len(body), job)
-                request = _Request(header, body, lane, progress, clock, seconds, time.monotonic())
+                request = Request(header, body, lane, progress, clock, seconds, time.monotonic())
                 return await self._solve(request)
         except TimeoutError:
             raise DeadlineExceeded from None
@@ -227,7 +203,7 @@ class Pool:
                 if reason is None:
                     self._crew.give_back(worker, chunk.resident_bytes, chunk.served)
 
-    async def _solve(self, request: _Request) -> Reply:
+    async def _solve(self, request: Request) -> Reply:
         """Hand the request to workers until one has answered it."""
         again = False
         unread = 0
@@ -235,21 +211,16 @@ class Pool:
             try:
                 async with self._lanes.turn(request.lane, again) as turn:
                     return await self._attempt(request, turn)
-            except _Stopped as stopped:
-                again = True
-                if stopped.reason == "preempted":
-                    request.lane = Lane.LONG
-                    if self._lanes.full(Lane.LONG):  # or a crowd of long requests with small bodies would wait without bound
-                        raise QueueFull from None
-                else:
-                    request.unused = True
+            except Stopped as stopped:
+                again = stopped.reason != "preempted"  # else it is the last of the lane that it goes on in, if not one too many
+                request.unused = request.unused or again
             except ChannelClosed as end:
                 again = True
                 unread += 1
                 if not end.unread or unread == ATTEMPTS:
                     raise WorkerCrashed from None
 
-    async def _attempt(self, request: _Request, turn: Turn) -> Reply:
+    async def _attempt(self, request: Request, turn: Turn) -> Reply:
         """Hand the request to one worker, which pays with its life for everything but an answer."""
         worker = await self._crew.take(lowered=turn.lane is not Lane.SMALL, unused=request.unused)
         begun = time.monotonic()
@@ -264,33 +235,20 @@ class Pool:
         self._crew.give_back(worker, answer.pop("resident_bytes"), answer.pop("served"))
         return Reply(answer, content, begun - request.arrived, time.monotonic() - begun)
 
-    async def _answer(self, request: _Request, turn: Turn, worker: Worker) -> Message:
-        """Wait for the answer; on the way, take a request that is not small after all out of the small lane."""
-        try:
-            async with asyncio.timeout(LONG_SECONDS if turn.lane is Lane.SMALL else None):
-                return await _last_message(request, worker)
-        except TimeoutError:
-            if not turn.become_long():
-                raise _Stopped("preempted") from None
-        self._crew.lower(worker)
-        return await _last_message(request, worker)
+    async def _answer(self, request: Request, turn: Turn, worker: Worker) -> Message:
+        """Wait for the answer; on the way, take a request that is not small after all from lane to lane."""
+        while (answer := await answer_within(turn.lane.seconds, request, worker, self._crew.worked)) is None:
+            if turn.go_on():
+                self._crew.lower(worker)
+            elif turn.wanted:
+                request.lane = turn.lane.next
+                raise Stopped("preempted")
+        return answer
 
 
-async def _last_message(request: _Request, worker: Worker) -> Message:
-    """The answer, after any reports of progress."""
-    while True:
-        header, body = await worker.channel.receive()
-        if header.get("again"):
-            raise _Stopped("memory")
-        if "resident_bytes" in header:
-            return header, body
-        if request.progress is not None:
-            request.progress(header["stage"], header["fraction"])
-
-
-def _reason(error: BaseException, request: _Request) -> Reason:
+def _reason(error: BaseException, request: Request) -> Reason:
     """Why a worker is killed whose request ended in an error."""
-    if isinstance(error, _Stopped):
+    if isinstance(error, Stopped):
         return error.reason
     if isinstance(error, ChannelClosed):
         return "crash"

@@ -1,4 +1,4 @@
-"""What a process of the workers asks of the operating system about itself."""
+"""What a process of the workers asks of the operating system, about itself or another one."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ import os
 import resource
 import signal
 import sys
+import time
 
 LOW_PRIORITY = 10
 """Beside a process of the usual priority it gets a tenth of a processor that both want."""
 
 _PR_SET_PDEATHSIG = 1
+
+_CLOCK_BITS, _CPUCLOCK_SCHED = 3, 2
+"""How Linux numbers the clock of a process's processor time (clock_getcpuclockid)."""
 
 
 def die_with_parent(parent: int) -> None:
@@ -46,6 +50,21 @@ def give_way(process: int, how: str) -> None:
             return
     if how != "normal":
         os.setpriority(os.PRIO_PROCESS, process, LOW_PRIORITY)
+
+
+def processor_seconds(process: int | None) -> float:
+    """Seconds of processor time that a process has used; 0 when it has ended or is only just being born (None).
+
+    Seconds of the wall where the system does not tell.
+    """
+    if sys.platform != "linux":
+        return time.monotonic()
+    if process is None:
+        return 0.0
+    try:
+        return time.clock_gettime(~process << _CLOCK_BITS | _CPUCLOCK_SCHED)
+    except OSError:
+        return 0.0
 
 
 def resident_bytes() -> int:

@@ -15,6 +15,7 @@ an answer, a lost job, a process that stayed behind, an answer that came too lat
 
     calm        small requests alone: throughput, latency, and the share that is not solving
     huge        small requests while four huge domains are being solved, health checks throughout
+    endless     small requests beside a flow of small bodies that would take half a minute each
     overload    more requests than may wait
     deadlines   work that takes longer than it may
     faults      workers killed, memory hogs, slow clients, clients that leave, bodies that are cut off
@@ -22,6 +23,7 @@ an answer, a lost job, a process that stayed behind, an answer that came too lat
     resumed     a batch whose server is killed on the way, and what of it is computed again
     dismissed   running jobs dismissed: how soon their processors are free
     killed      the server killed again and again with jobs in flight
+    machines    jobs by three machines on one PostgreSQL, all killed again and again and one of them for good
     database    PostgreSQL stopped for ten seconds with jobs in flight, where it is installed
     disk        the disk of bodies and results full for a while, where a small file system may be mounted
 """

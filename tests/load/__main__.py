@@ -12,15 +12,17 @@ from dataclasses import replace
 from pathlib import Path
 
 from tests.load.batch import batch, resumed
-from tests.load.calm import beside_huge, calm, deadlines, overload
+from tests.load.calm import beside_endless, beside_huge, calm, deadlines, overload
 from tests.load.durability import database, disk, dismissed, killed
 from tests.load.faults import faults
+from tests.load.machines import machines
 from tests.load.report import Report
 from tests.load.scale import Scale, short
 
 PARTS: dict[str, Callable[[Scale, Report], Awaitable[None]]] = {
     "calm": calm,
     "huge": beside_huge,
+    "endless": beside_endless,
     "overload": overload,
     "deadlines": deadlines,
     "faults": faults,
@@ -28,6 +30,7 @@ PARTS: dict[str, Callable[[Scale, Report], Awaitable[None]]] = {
     "resumed": resumed,
     "dismissed": dismissed,
     "killed": killed,
+    "machines": machines,
     "database": database,
     "disk": disk,
 }

@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from multiprocessing.synchronize import Barrier
 
 from service.jobs.executor import BEYOND_WORKERS
@@ -95,7 +96,7 @@ def _solve_all(bodies: Sequence[bytes], start: Barrier) -> None:
     """One bare process; warm before it starts."""
     for body in set(bodies):
         solve.handle(HEADER, body)
-    give_way(os.getpid(), Settings().long_priority)
+    give_way(os.getpid(), Settings.from_environment().long_priority)
     start.wait()
     for body in bodies:
         solve.handle(HEADER, body)
@@ -103,7 +104,7 @@ def _solve_all(bodies: Sequence[bytes], start: Barrier) -> None:
 
 async def _pooled(asked: Sequence[Piece], scale: Scale) -> tuple[float, int]:
     """Seconds that the pool takes, and how many result lines are right."""
-    pool = Pool(Settings(workers=scale.workers))
+    pool = Pool(replace(Settings.from_environment(), workers=scale.workers))
     rest = [asked[k : k + CHUNK] for k in range(0, len(asked), CHUNK)][::-1]
     right = 0
 

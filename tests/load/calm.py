@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import random
 from collections import Counter
 from typing import Any
 
@@ -21,6 +23,10 @@ REFUSAL_SECONDS = 0.05
 LATE_SECONDS = 0.25
 RATIO = 3.0
 HUGE_CLIENTS = 4
+ENDLESS_CLIENTS = 6
+ENDLESS_PATIENCE = 1.5
+ENDLESS_PAUSE = 0.1
+ENDLESS_SECONDS = 0.5
 
 
 async def calm(scale: Scale, report: Report) -> None:
@@ -85,6 +91,38 @@ async def beside_huge(scale: Scale, report: Report) -> None:
     text = f"/healthz in {1000 * late:.0f} ms (p99), {1000 * max(during):.0f} ms (longest); under {1000 * HEALTH_SECONDS:.0f}"
     report.promise("huge", text, late < HEALTH_SECONDS * scale.slack)
     report.promise("huge", "no process stays behind", not server.orphans())
+
+
+async def beside_endless(scale: Scale, report: Report) -> None:
+    """Small requests at a pace, alone and beside a flow of small bodies that would take half a minute each."""
+    pieces = small()
+    async with serving(scale.folder, workers=scale.workers) as server:
+        await busy(server.port, pieces, 2, 1.0)
+        quiet = await paced(server.port, pieces, scale.rate, scale.seconds / 2)
+        flow = [asyncio.create_task(_flow(server.port, seed)) for seed in range(ENDLESS_CLIENTS)]
+        async with health(server.port) as healthy:
+            beside = await paced(server.port, pieces, scale.rate, scale.seconds)
+        for task in flow:
+            task.cancel()
+        await asyncio.gather(*flow, return_exceptions=True)
+    report.times("endless", "small requests, quiet", quiet.all_seconds)
+    report.times("endless", "small requests, beside", beside.all_seconds)
+    report.times("endless", "/healthz", healthy)
+    late = quantile(beside.all_seconds, 0.99)
+    text = f"small requests in {1000 * late:.0f} ms (p99); under {1000 * ENDLESS_SECONDS:.0f}"
+    report.promise("endless", text, late < ENDLESS_SECONDS * scale.slack)
+    _right("endless", report, quiet, beside)
+    report.promise("endless", "no process stays behind", not server.orphans())
+
+
+async def _flow(port: int, seed: int) -> None:
+    """Ask for endless work, leave it, and ask for the next."""
+    chance = random.Random(seed)
+    while True:
+        with contextlib.suppress(TimeoutError, ConnectionError):
+            async with asyncio.timeout(chance.uniform(0.0, ENDLESS_PATIENCE)), connected(port) as connection:
+                await connection.request("POST", "/v1/mat", endless(chance.randrange(1000)))
+        await asyncio.sleep(ENDLESS_PAUSE)
 
 
 async def overload(scale: Scale, report: Report) -> None:

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import json
 import random
+import secrets
 import shutil
 import subprocess
 import time
@@ -32,23 +33,24 @@ DISK_BYTES = 32 << 20
 LETTERS = 64 << 10
 
 
-async def _submit(port: int, piece: Piece) -> Answer:
+async def _submit(port: int, piece: Piece, key: str) -> Answer:
     """Ask for a job on a connection of its own: the server may be gone the next moment."""
     async with connected(port) as connection:
-        return await connection.request("POST", "/v1/mat", piece.body, ASYNC)
+        return await connection.request("POST", "/v1/mat", piece.body, ASYNC | {"Idempotency-Key": key})
 
 
-async def _accepted(server: Server, piece: Piece) -> str:
+async def accepted(server: Server, piece: Piece) -> str:
     """Have a job accepted, however often it takes; its id. A key makes it one job."""
+    key = secrets.token_hex(8)
     while True:
         with contextlib.suppress(ConnectionError):
-            answer = await _submit(server.port, piece)
+            answer = await _submit(server.port, piece, key)
             if answer.status == 201:
                 return str(json.loads(answer.body)["jobID"])
         await asyncio.sleep(0.05)
 
 
-async def _finished(port: int, jobs: dict[str, Piece], report: Report, part: str) -> None:
+async def finished(port: int, jobs: dict[str, Piece], report: Report, part: str) -> None:
     """Wait for accepted jobs and judge their results."""
     faults: list[str] = []
     done: Counter[str] = Counter()
@@ -85,7 +87,7 @@ async def killed(scale: Scale, report: Report) -> None:
         async def submit() -> None:
             while kills < times or len(jobs) < count:
                 piece = chance.choice(pieces)
-                jobs[await _accepted(server, piece)] = piece
+                jobs[await accepted(server, piece)] = piece
                 await asyncio.sleep(chance.uniform(0.0, 8.0 * times / count))
 
         submitters = [asyncio.create_task(submit()) for _ in range(4)]
@@ -97,7 +99,7 @@ async def killed(scale: Scale, report: Report) -> None:
             await server.ready()
         await asyncio.gather(*submitters)
         report.figure("killed", "the server", f"killed {kills} times while {len(jobs)} jobs were accepted")
-        await _finished(server.port, jobs, report, "killed")
+        await finished(server.port, jobs, report, "killed")
     report.promise("killed", "no process stays behind", not server.orphans())
 
 
@@ -128,7 +130,7 @@ async def dismissed(scale: Scale, report: Report) -> None:
 
 
 @contextlib.asynccontextmanager
-async def _database(report: Report, part: str) -> AsyncIterator[Postgres | None]:
+async def database_of_our_own(report: Report, part: str) -> AsyncIterator[Postgres | None]:
     """A PostgreSQL of our own, where its programs are installed; a visible line where not."""
     folder = programs()
     if folder is None:
@@ -146,11 +148,11 @@ async def _database(report: Report, part: str) -> AsyncIterator[Postgres | None]
 async def database(scale: Scale, report: Report) -> None:
     """The database goes away while jobs are in flight, and comes back."""
     pieces = small()
-    async with _database(report, "database") as postgres:
+    async with database_of_our_own(report, "database") as postgres:
         if postgres is None:
             return
         async with serving(scale.folder, workers=scale.workers, database_url=postgres.url) as server:
-            jobs = {await _accepted(server, piece): piece for piece in pieces}
+            jobs = {await accepted(server, piece): piece for piece in pieces}
             await asyncio.to_thread(postgres.stop)
             away = min(10.0, scale.seconds)
             refusing = asyncio.create_task(_refusals(server.port, pieces, away))
@@ -158,8 +160,8 @@ async def database(scale: Scale, report: Report) -> None:
             codes = await refusing
             await asyncio.to_thread(postgres.start)
             await server.ready()
-            jobs |= {await _accepted(server, piece): piece for piece in pieces}
-            await _finished(server.port, jobs, report, "database")
+            jobs |= {await accepted(server, piece): piece for piece in pieces}
+            await finished(server.port, jobs, report, "database")
     report.times("database", f"small requests, {away:.0f} s without it", tally.all_seconds)
     report.promise("database", f"jobs are refused meanwhile: {dict(codes)}", set(codes) <= {"store-unavailable"})
     _undisturbed("database", tally, report)
@@ -176,7 +178,7 @@ async def _refusals(port: int, pieces: Sequence[Piece], seconds: float) -> Count
     codes: Counter[str] = Counter()
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        answer = await _submit(port, random.choice(pieces))
+        answer = await _submit(port, random.choice(pieces), secrets.token_hex(8))
         codes["accepted" if answer.status == 201 else problem_code(answer)] += 1
         await asyncio.sleep(0.2)
     return codes
@@ -190,14 +192,14 @@ async def disk(scale: Scale, report: Report) -> None:
             report.figure("disk", "left out", "no small file system may be mounted here")
             return
         async with serving(scale.folder, workers=scale.workers, data_dir=folder) as server:
-            jobs = {await _accepted(server, piece): piece for piece in before}
+            jobs = {await accepted(server, piece): piece for piece in before}
             _fill(folder / "filler")
             codes = await _refusals(server.port, meanwhile, min(5.0, scale.seconds))
             tally = await paced(server.port, before, scale.rate, 1.0)
             (folder / "filler").unlink()
             await server.ready()
-            jobs |= {await _accepted(server, piece): piece for piece in after}
-            await _finished(server.port, jobs, report, "disk")
+            jobs |= {await accepted(server, piece): piece for piece in after}
+            await finished(server.port, jobs, report, "disk")
     report.promise("disk", f"jobs are refused meanwhile: {dict(codes)}", set(codes) == {"store-unavailable"})
     _undisturbed("disk", tally, report)
     report.promise("disk", "no process stays behind", not server.orphans())

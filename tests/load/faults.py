@@ -27,6 +27,7 @@ MEMORY_BYTES = 128 << 20
 
 HOG_EDGES = 60_000
 UPLOAD_SECONDS = 4.0
+HEAD_SECONDS = 3.0
 DROP_SECONDS = 0.25
 EXCUSED = ("worker-crashed", "queue-full")
 """What a small request may be answered while workers are killed."""
@@ -51,7 +52,8 @@ async def faults(scale: Scale, report: Report) -> None:
     """Everything at once, beside small requests at a pace."""
     pieces = small()
     hog = await asyncio.to_thread(huge, HOG_EDGES)
-    settings = {"worker_memory_bytes": MEMORY_BYTES, "deadline_seconds": 10, "upload_seconds": UPLOAD_SECONDS}
+    settings = {"worker_memory_bytes": MEMORY_BYTES, "deadline_seconds": 10}
+    settings |= {"upload_seconds": UPLOAD_SECONDS, "head_seconds": HEAD_SECONDS}
     async with serving(scale.folder, workers=scale.workers, **settings) as server:
         events = Events()
         left = iter(range(scale.events))
@@ -107,7 +109,7 @@ async def _trouble(
 ) -> None:
     """One client that misbehaves, as long as there are events left."""
     chance = random.Random(seed)
-    deeds = {"left": 8, "left long work": 4, "cut off": 5, "slow": 2, "trickle": 1, "broken": 4, "hog": 1}
+    deeds = {"left": 8, "left long work": 4, "cut off": 5, "slow": 2, "trickle": 1, "trickled head": 1, "broken": 4, "hog": 1}
     for number in left:
         deed = chance.choices(list(deeds), list(deeds.values()))[0]
         events.done[deed] += 1
@@ -169,21 +171,35 @@ async def _trickle(
     connection: Connection, chance: random.Random, pieces: Sequence[Piece], _h: object, events: Events, _n: int
 ) -> None:
     """Send a body that would never end; the client is told to go, and the connection is closed."""
-    reader, writer = await connection.open()
+    _, writer = await connection.open()
     body = chance.choice(pieces).body
     writer.write(head("POST", "/v1/mat", len(body)))
+    await _in_drops(connection, body, UPLOAD_SECONDS, "trickle", events)
+
+
+async def _trickle_head(
+    connection: Connection, _c: object, pieces: Sequence[Piece], _h: object, events: Events, _n: int
+) -> None:
+    """The same with the head of a request."""
+    await connection.open()
+    await _in_drops(connection, head("POST", "/v1/mat", len(pieces[0].body)), HEAD_SECONDS, "trickled head", events)
+
+
+async def _in_drops(connection: Connection, content: bytes, seconds: float, name: str, events: Events) -> None:
+    """Send what would take far longer than the service waits for it."""
+    reader, writer = await connection.open()
     answering = asyncio.create_task(read_answer(reader, time.monotonic()))
     try:
-        for drop in range(int(2 * UPLOAD_SECONDS / DROP_SECONDS)):
+        for drop in range(int(2 * seconds / DROP_SECONDS)):
             if answering.done():
                 break
-            writer.write(body[drop : drop + 1])
+            writer.write(content[drop : drop + 1])
             await asyncio.sleep(DROP_SECONDS)
-        events.judge("trickle", await answering, (408, "upload-timeout"))
+        events.judge(name, await answering, (408, "upload-timeout"))
         if await reader.read():
-            events.wrong.append("trickle: the connection goes on")
+            events.wrong.append(f"{name}: the connection goes on")
     except ConnectionResetError:
-        events.done["trickle, met the closing with a drop"] += 1  # which is how TCP tells of it
+        events.done[f"{name}, met the closing with a drop"] += 1  # which is how TCP tells of it
     finally:
         answering.cancel()
 
@@ -206,6 +222,7 @@ DEEDS = {
     "cut off": _cut_off,
     "slow": _slow,
     "trickle": _trickle,
+    "trickled head": _trickle_head,
     "broken": _broken,
     "hog": _hog,
 }

@@ -7,12 +7,13 @@ import contextlib
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
 
 from tests.load.client import connected
-from tests.service.live import COMMAND, ROOT, START_SECONDS, free_port
+from tests.service.live import ROOT, START_SECONDS, free_port
 from tests.service.processes import alive, descendants, status
 
 GOODBYE_SECONDS = 30.0
@@ -46,9 +47,9 @@ class Server:
         self.process = self._start()
 
     def _start(self) -> subprocess.Popen[bytes]:
-        where = ("--host", "127.0.0.1", "--port", str(self.port), "--no-access-log")
+        command = (sys.executable, "-m", "service.cli", "serve", "--host", "127.0.0.1", "--port", str(self.port))
         with self._log.open("ab") as log:
-            return subprocess.Popen([*COMMAND, *where], cwd=ROOT, env={**os.environ, **self._environment}, stderr=log)
+            return subprocess.Popen(command, cwd=ROOT, env={**os.environ, **self._environment}, stderr=log)
 
     def log(self) -> str:
         """What it has said."""
@@ -88,7 +89,7 @@ class Server:
         return used(self.process.pid), sum(used(pid) for pid in descendants(self.process.pid))
 
     def stop(self) -> None:
-        """Ask it to end, and see that it does."""
+        """Ask it to end, and see that it does; it may have ended already."""
         self.workers()
         self.process.send_signal(signal.SIGTERM)
         try:

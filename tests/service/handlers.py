@@ -70,6 +70,19 @@ def spin(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
     return ({},)
 
 
+def work(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
+    """Busy for so much processor time, however long that takes."""
+    end = time.process_time() + order["seconds"]
+    while time.process_time() < end:
+        pass
+    return ({},)
+
+
+def sleep(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
+    time.sleep(order["seconds"])
+    return ({},)
+
+
 def crash(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
     os.kill(os.getpid(), signal.SIGSEGV)
     raise AssertionError
@@ -139,4 +152,6 @@ ACTIONS = {
     "half": half,
     "refuse": refuse,
     "spin": spin,
+    "work": work,
+    "sleep": sleep,
 }

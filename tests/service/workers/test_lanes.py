@@ -25,8 +25,6 @@ class Runner:
     def __init__(self, lanes: Lanes, lane: Lane) -> None:
         self.ending = asyncio.Event()
         self.running = False
-        self.stays: bool | None = None
-        self._became_long = asyncio.Event()
         self._lanes, self._lane = lanes, lane
         self.task = asyncio.create_task(self._run())
 
@@ -77,13 +75,14 @@ def test_each_lane_alone_has_every_worker(workers: int, lane: Lane) -> None:
     scenario(run, workers)
 
 
-def test_jobs_and_long_ones_leave_one_worker_to_each_lane_before_them() -> None:
+def test_jobs_and_long_ones_leave_one_worker_to_the_lanes_before_them_and_all_to_small_ones() -> None:
     async def run(lanes: Lanes) -> None:
         jobs = await started(lanes, Lane.JOB, 5)
         long = await started(lanes, Lane.LONG, 3)
+        middle = await started(lanes, Lane.MIDDLE, 3)
         small = await started(lanes, Lane.SMALL, 3)
-        assert (running(jobs), running(long), running(small)) == (2, 1, 1)
-        assert lanes.waiting == {Lane.JOB: 3, Lane.LONG: 2, Lane.SMALL: 2}
+        assert [running(lane) for lane in (jobs, long, middle, small)] == [2, 1, 1, 2]
+        assert lanes.waiting == {Lane.JOB: 3, Lane.LONG: 2, Lane.MIDDLE: 2, Lane.SMALL: 1}
 
     scenario(run)
 
@@ -96,7 +95,7 @@ def test_no_lane_starves_behind_small_ones() -> None:
         assert (running(small), running(long), running(jobs)) == (2, 1, 1)
         small[0].ending.set()
         await settle()
-        assert running(small) == 1  # two places are taken by the others
+        assert running(small) == 2
 
     scenario(run)
 
@@ -128,20 +127,27 @@ def test_each_lane_has_its_own_limit_and_jobs_have_none() -> None:
     scenario(run, workers=1)
 
 
-def test_a_small_one_becomes_long_where_there_is_room_and_makes_room_for_a_small_one() -> None:
+@pytest.mark.parametrize(("lane", "after"), [(Lane.SMALL, Lane.MIDDLE), (Lane.MIDDLE, Lane.LONG)])
+def test_one_goes_on_in_the_next_lane_where_there_is_room_and_makes_room_in_its_own(lane: Lane, after: Lane) -> None:
     async def run(lanes: Lanes) -> None:
-        small = await started(lanes, Lane.SMALL, 4)
-        assert running(small) == 2
-        assert small[0].turn.become_long()
+        runners = await started(lanes, lane, 6)
+        assert runners[0].turn.go_on()
+        assert runners[1].turn.go_on()
         await settle()
-        assert running(small) == 2  # one of them beside the long one
-        assert small[1].turn.become_long()
-        await settle()
-        assert running(small) == 3
-        assert not small[2].turn.become_long()
-        assert lanes.running == {Lane.SMALL: 1, Lane.LONG: 2, Lane.JOB: 0}
+        left = 2 if lane is Lane.SMALL else 1  # beside those that went on
+        assert running(runners) == 2 + left
+        assert not runners[2].turn.go_on()
+        assert runners[2].turn.wanted
+        assert lanes.running == dict.fromkeys(Lane, 0) | {lane: left, after: 2}
 
-    scenario(run)
+    scenario(run, limit=4)
+
+
+def test_a_lane_gives_more_time_than_the_one_before_it_and_the_last_ones_give_all() -> None:
+    assert Lane.SMALL.seconds is not None
+    assert Lane.MIDDLE.seconds is not None
+    assert Lane.SMALL.seconds < Lane.MIDDLE.seconds
+    assert Lane.LONG.seconds is Lane.JOB.seconds is None
 
 
 def test_one_that_begins_again_is_never_refused_and_is_the_first() -> None:
@@ -164,7 +170,7 @@ def test_one_that_begins_again_is_never_refused_and_is_the_first() -> None:
     scenario(run, workers=1)
 
 
-steps = st.lists(st.tuples(st.sampled_from(["start", "end", "cancel", "long"]), st.sampled_from(Lane), st.integers(0, 100)))
+steps = st.lists(st.tuples(st.sampled_from(["start", "end", "cancel", "go on"]), st.sampled_from(Lane), st.integers(0, 100)))
 
 
 @given(steps=steps, workers=st.integers(1, 4))
@@ -182,8 +188,8 @@ def test_whatever_happens_places_are_neither_lost_nor_given_twice(
                     chosen.ending.set()
                 elif what == "cancel":
                     chosen.task.cancel()
-                elif chosen.running and chosen.turn.lane is Lane.SMALL:
-                    chosen.turn.become_long()
+                elif chosen.running and not chosen.task.done() and chosen.turn.lane.seconds is not None:
+                    chosen.turn.go_on()
             if index % 3 == 0:  # otherwise several things happen in one turn of the loop
                 await settle()
         await settle()
@@ -193,6 +199,7 @@ def test_whatever_happens_places_are_neither_lost_nor_given_twice(
                 counts[runner.turn.lane] += 1
         assert lanes.running == counts
         assert counts[Lane.JOB] <= workers
+        assert counts[Lane.MIDDLE] <= workers
         assert counts[Lane.LONG] <= workers
         for lane in Lane:
             assert not (lanes.waiting[lane] and lanes.room(lane))

@@ -204,10 +204,12 @@ def test_progress_is_told_to_who_asks() -> None:
     with_pool(scenario)
 
 
-def test_a_small_request_that_takes_long_leaves_the_small_lane() -> None:
+def test_a_small_request_that_takes_long_leaves_the_small_lane_and_the_next_one_too() -> None:
     async def scenario(pool: Pool) -> None:
         await pid_of(pool)
-        long = [asyncio.create_task(pool.solve({}, order("spin", seconds=2.5))) for _ in range(2)]
+        long = [asyncio.create_task(pool.solve({}, order("work", seconds=2.0))) for _ in range(2)]
+        await eventually_in_loop(lambda: pool.stats().running["middle"] == 2)
+        await pid_of(pool)
         await eventually_in_loop(lambda: pool.stats().running["long"] == 2)
         await pid_of(pool)
         assert not all(task.done() for task in long)
@@ -217,16 +219,30 @@ def test_a_small_request_that_takes_long_leaves_the_small_lane() -> None:
     with_pool(scenario)
 
 
+def test_who_does_not_work_does_not_leave_its_lane() -> None:
+    async def scenario(pool: Pool) -> None:
+        await pid_of(pool)
+        waiting = asyncio.create_task(pool.solve({}, order("sleep", seconds=1.0)))
+        await asyncio.sleep(0.5)
+        assert pool.stats().running == {"small": 1, "middle": 0, "long": 0, "job": 0}
+        await waiting
+
+    with_pool(scenario)
+
+
 def test_one_too_many_of_them_begins_again_when_its_turn_comes() -> None:
     async def scenario(pool: Pool) -> None:
         await pid_of(pool)
-        long = [asyncio.create_task(pool.solve({}, order("spin", seconds=2.5))) for _ in range(2)]
-        await eventually_in_loop(lambda: pool.stats().waiting["long"] == 1)
-        assert pool.stats().kills["preempted"] == 1
+        long = [asyncio.create_task(pool.solve({}, order("work", seconds=0.9)))]
+        await eventually_in_loop(lambda: pool.stats().running["middle"] == 1)
+        long.append(asyncio.create_task(pool.solve({}, order("work", seconds=0.9))))
+        await asyncio.sleep(0.3)
+        assert pool.stats().kills["preempted"] == 0  # as long as nobody wants its place
         await pid_of(pool)
+        assert pool.stats().kills["preempted"] == 1
         assert not all(task.done() for task in long)
         replies = await asyncio.gather(*long)
-        assert all(reply.body == order("spin", seconds=2.5) for reply in replies)
+        assert all(reply.body == order("work", seconds=0.9) for reply in replies)
 
     with_pool(scenario, workers=1)
 
@@ -306,7 +322,7 @@ def test_the_kills_are_counted_by_reason() -> None:
         stats = pool.stats()
         assert {reason: count for reason, count in stats.kills.items() if count} == {"disconnect": 1, "dismissed": 1, "crash": 1}
         assert stats.busy == 0
-        assert stats.waiting == stats.running == {"small": 0, "long": 0, "job": 0}
+        assert stats.waiting == stats.running == {"small": 0, "middle": 0, "long": 0, "job": 0}
         await eventually_in_loop(lambda: pool.stats().idle == 3)
 
     with_pool(scenario)
