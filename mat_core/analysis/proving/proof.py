@@ -15,7 +15,9 @@ All are quotients of polynomials but for what `sides` bounds, and enclosed on ce
 At a centre of curvature, where S ~ v, the powers of v in e ~ v^4, S ~ v, B ~ 1 / v^2 leave bounds of the same form: `sides`
 has divided them out, and v^3 is at most one.
 
-Which sides a disc touches is not asked here but by the certificate.
+B is twice what the second derivatives are at c: that they do not double on the way of t0 is the one thing here that is not
+enclosed; k says that t0 is a fifth of S times their radius of curvature at most. Which sides a disc touches is not asked here
+but by the certificate.
 """
 
 from __future__ import annotations
@@ -163,7 +165,7 @@ def _of_pair(right: Side, left: Side, row: int, kind: int) -> float:
         np.abs(cells(total(*cross, sign))[0]).max(axis=1) / over + slack for sign in (-1.0, 1.0)
     )
     moved = difference / (2.0 * sine)
-    bend = float(right.bend[row] + left.bend[row])
+    bend = 2.0 * float(right.bend[row] + left.bend[row])
     lost = 0.625 * bend * moved / sine
     if not (lost <= LARGEST_BEND).all():
         return np.inf

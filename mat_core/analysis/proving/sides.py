@@ -5,7 +5,7 @@ ARC, FAN    with g = c - o and the signed radius rho of the arc (0: FAN)     (|g
 SPIRAL      C = P / w a Bezier. A polynomial s(v) is laid through true feet of some of the centres: a guess, about which all is
             proved that is used. With V = c w - P and T = P' w - P w' at s(v), all of them polynomials in v,
 
-    | |c - C(s)| - r | <= ||V|^2 - (r w)^2| / (2 r w^2)                                                 (a)
+    e = |c - C(s)| - r = m / (1 + e / 2 r),    m = (|V|^2 - (r w)^2) / (2 r w^2),    |e - m| <= m^2 / r      (a)
     D(s) = |c - C(s)|^2 / 2,     D' = -V.T / w^3,     D'' = Q / w^4,     Q = T.T - w V.T' + 2 w' V.T    (b)
 
             and the true distance falls short of |c - C(s)| by at most D'^2 / (D'' r), where D'' is what it is at least between
@@ -14,9 +14,9 @@ SPIRAL      C = P / w a Bezier. A polynomial s(v) is laid through true feet of s
 Coefficients in Bernstein form enclose each of these. Where both sides meet in one point at v = 0 all of it vanishes together
 and is divided by powers of v first:
 
-    VERTEX    r, V ~ v.                (a) by v^2 over v, so `miss` is v times a bound
+    VERTEX    r, V, V.T ~ v, and so the miss: `miss` is a bound of miss / v
     LEAF      a centre of curvature, v = sqrt(way along the axis): V.T ~ v^3, Q ~ v^2, the miss ~ v^4 as F has the axis's tangent
-              there; `miss`, `bend` and `normal` are bounds of miss / v^4, bend v^2 and of what is left of the normal.
+              there; `miss` and `bend` are bounds of miss / v^4 and bend v^2.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.analysis.bernstein import derivative, product
+from mat_core.analysis.bernstein import derivative, product, restrict
 from mat_core.analysis.proving.polynomials import (
     compose,
     largest,
@@ -51,6 +51,10 @@ GRID = 65  # places of a site from which the feet are searched
 NEWTON_STEPS = 12
 REACH = 0.02  # of a strip's interval: feet of a polynomial may stand so much beside it
 STEADY = 0.2  # share of D'' that it may lose between s and the foot
+NEAR = 1e-3  # of the site's parameter: how far they may be from each other
+BEYOND = 0.05  # of it: how far beyond both ends of the Bezier polynomials in s are enclosed
+SMALL = 0.1  # of the radius: the miss at most
+POWERS = {PLAIN: 0, VERTEX: 1, LEAF: 4}  # of v in the miss
 
 
 class Side(NamedTuple):
@@ -114,7 +118,7 @@ def side_of(table: SiteTable, site: Ints, interval: Floats, disc: Floats, kind: 
 def _line(f: Floats, x: Floats, y: Floats, r: Floats, kind: int) -> Side:
     """The distance from a line."""
     nx, ny = -f[:, TY0 : TY0 + 1], f[:, TX0 : TX0 + 1]
-    off, good = over_power(nx * x + ny * y - r, 4 if kind == LEAF else 0)
+    off, good = over_power(nx * x + ny * y - r, POWERS[kind])
     none = np.zeros(len(f))
     one: list[Floats] = list(np.ones_like(nx))
     return Side(np.where(good, largest(off), np.inf), none, list(off), one, none, list(nx), list(ny), one, none)
@@ -124,7 +128,7 @@ def _circle(f: Floats, arc: bool, x: Floats, y: Floats, r: Floats, kind: int) ->
     """The distance from a circular arc or a point, and from its centre."""
     rho = 1.0 / f[:, K0 : K0 + 1] if arc else np.zeros((len(f), 1))
     gx, gy, reach = x + f[:, TY0 : TY0 + 1] * rho, y - f[:, TX0 : TX0 + 1] * rho, r - rho
-    off, good = over_power(total(product(gx, gx) + product(gy, gy), product(reach, reach), -1.0), 4 if kind == LEAF else 0)
+    off, good = over_power(total(product(gx, gx) + product(gy, gy), product(reach, reach), -1.0), POWERS[kind])
     low, high = least_and_most(reach)
     nearest = np.where(low > 0.0, low, np.where(high < 0.0, -high, 0.0))
     good &= nearest > 0.0
@@ -144,7 +148,7 @@ def _spiral(control: Floats, rational: bool, interval: Floats, x: Floats, y: Flo
     w = compose(weight, foot)
     vx, vy = (total(product(c, w), compose(p, foot), -1.0) for c, p in zip((x, y), own, strict=True))
     rw = product(r, w)
-    power = {PLAIN: (0, 0, 0, 0), VERTEX: (1, 1, 1, 0), LEAF: (4, 0, 3, 2)}[kind]
+    power = {PLAIN: (0, 0, 0, 0), VERTEX: (2, 1, 1, 0), LEAF: (4, 0, 3, 2)}[kind]
     off, good = over_power(total(product(vx, vx) + product(vy, vy), product(rw, rw), -1.0), power[0])
     radius, fits = over_power(r, power[1])
     good &= fits
@@ -161,19 +165,20 @@ def _spiral(control: Floats, rational: bool, interval: Floats, x: Floats, y: Flo
     good &= (r_low > 0.0) & (q_low > 0.0) & (w_low > 0.0)
     r_low, q_low, w_low = (np.where(good, low, 1.0) for low in (r_low, q_low, w_low))
     most = largest(slope) / w_low**3
-    away = most * w_high**4 / ((1.0 - STEADY) * q_low)
-
-    good &= away * (largest(change) + bends * away) <= STEADY * q_low
-    missed, fall = largest(off) / (2.0 * r_low * w_low**2), most * away / r_low
-    miss = missed + fall
+    w_near = w_high + NEAR * largest(_derivative(weight))
+    away = most * w_near**4 / ((1.0 - STEADY) * q_low)
+    good &= (away <= NEAR) & (away * (largest(change) + bends * away) <= STEADY * q_low)
+    missed, fall = largest(off) / (2.0 * r_low * w_low**2), most * away / ((1.0 - SMALL) * r_low)
+    good &= missed <= SMALL * r_low
+    slack = fall + missed * missed / r_low
+    miss = missed + slack
     along = largest(tangent[0]) + largest(tangent[1])
     bent, fits = over_power(rest, 1 if kind == VERTEX else 0)
-    bend = largest(bent) / ((1.0 - STEADY) * q_low * r_low)
+    bend = largest(bent) / ((1.0 - STEADY) * q_low * (1.0 - SMALL) * r_low)
     good &= fits
     astray = away * along / (w_low**2 * r_low) + miss / r_low
     nx, ny, nm = (list(over_power(p, power[1])[0]) for p in (vx, vy, rw))
     over = 2.0 * product(radius, product(w, w))
-    slack = fall + missed * missed / r_low
     return Side(np.where(good, miss, np.inf), slack, list(off), list(over), bend, nx, ny, nm, astray)
 
 
@@ -207,7 +212,8 @@ def _second(
     rest = at(terms)
     whole = [total(square, terms[0]), *by_centre]
     once = [_derivative(row) for row in whole]
-    twice = [_derivative(row) for row in once]
+    ends = np.full(len(weight), -BEYOND), np.full(len(weight), 1.0 + BEYOND)
+    twice = [restrict(_derivative(row), *ends) for row in once]
     bends = np.zeros(len(weight))
     for i in range(x.shape[1]):
         bends = np.maximum(bends, largest(total(twice[0], total(x[:, i : i + 1] * twice[1], y[:, i : i + 1] * twice[2]))))
