@@ -122,7 +122,8 @@ def reconstruct(axis: MedialAxis) -> Reconstruction:
 
     Notes
     -----
-    A loop does not cross itself but where two walls are nearer to each other than the errors of the axis.
+    Loops do not cross themselves or each other but where two walls are nearer to each other than the errors of the axis: the
+    result is as near to the boundary there as everywhere, but is no domain; a finer tolerance gives one.
 
     H. Blum, "A transformation for extracting new descriptors of shape" (1967): axis and radius determine the shape.
     """
