@@ -12,6 +12,7 @@ from mat_core.analysis.offsetting.offset import offset, offsets
 from mat_core.analysis.offsetting.parallel import Source
 from mat_core.analysis.offsetting.regions import Offset, OffsetEdge, OffsetLoop, OffsetRegion
 from mat_core.analysis.places import AxisDisc
+from mat_core.analysis.proving.proof import ProvenErrors, prove_errors
 from mat_core.analysis.pruning.peeling import Cut
 from mat_core.analysis.pruning.prune import prune
 from mat_core.analysis.pruning.pruned import PrunedAxis, PrunedNode, PrunedSegment
@@ -34,6 +35,7 @@ __all__ = [
     "OffsetLoop",
     "OffsetRegion",
     "Part",
+    "ProvenErrors",
     "PrunedAxis",
     "PrunedNode",
     "PrunedSegment",
@@ -49,6 +51,7 @@ __all__ = [
     "nearest",
     "offset",
     "offsets",
+    "prove_errors",
     "prune",
     "reconstruct",
     "to_networkx",

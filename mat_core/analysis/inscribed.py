@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.analysis.options import real
 from mat_core.analysis.places import AxisDisc, disc_at_node, discs_inside, radius_noise
 from mat_core.analysis.radii import RadiusArcs, radius_arcs
 from mat_core.axis import MedialAxis
@@ -190,6 +191,7 @@ def inscribed_discs(axis: MedialAxis, prominence: float = 0.0) -> InscribedDiscs
     UnsupportedOption
         `prominence` is negative or not finite.
     """
+    prominence = real("prominence", prominence)
     if not (prominence >= 0.0 and math.isfinite(prominence)):
         raise UnsupportedOption("prominence", f"{prominence} is not a length of at least 0")
     ground = terrain(axis)

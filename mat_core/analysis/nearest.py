@@ -19,6 +19,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from mat_core.analysis.arguments import LARGEST
 from mat_core.analysis.bernstein import derivative, halve, product, sign_changes
 from mat_core.analysis.places import AxisDisc, disc_at_node, discs_inside
 from mat_core.analysis.spans import Spans, cut_spans
@@ -126,13 +127,9 @@ def nearest(axis: MedialAxis, points: ArrayLike) -> Nearest:
     Raises
     ------
     UnsupportedOption
-        `points` has another shape, or is not finite.
+        `points` has another shape, or a coordinate is no number of at most 1e100.
     """
-    asked = np.asarray(points, dtype=float)
-    if asked.ndim == 1:
-        asked = asked[None]
-    if asked.ndim != 2 or asked.shape[1] != 2 or not np.isfinite(asked).all():
-        raise UnsupportedOption("points", f"an array of shape {np.shape(points)} is not one of finite numbers, (n, 2) or (2,)")
+    asked = _points(points)
     n = len(asked)
     segment, t, node = np.full(n, -1), np.zeros(n), np.full(n, -1)
     if not len(axis.curves.degree):
@@ -151,6 +148,21 @@ def nearest(axis: MedialAxis, points: ArrayLike) -> Nearest:
     apart = discs[:, :2] - asked
     distance = np.hypot(apart[:, 0], apart[:, 1])
     return Nearest(axis, asked, segment, t, node, distance, discs[:, :2], discs[:, 2], inside_domain(axis.domain, asked))
+
+
+def _points(points: ArrayLike) -> Floats:
+    """(n, 2) points, if they are such."""
+    try:
+        asked = np.asarray(points, dtype=float)
+    except (ValueError, TypeError, OverflowError) as error:
+        raise UnsupportedOption("points", f"not numbers, (n, 2) or (2,): {error}") from error
+    if asked.ndim == 1:
+        asked = asked[None]
+    if asked.ndim != 2 or asked.shape[1] != 2 or not (np.abs(asked) <= LARGEST).all():
+        raise UnsupportedOption(
+            "points", f"an array of shape {asked.shape} is not one of numbers up to {LARGEST:g}, (n, 2) or (2,)"
+        )
+    return asked
 
 
 def _boxes(spans: Spans) -> tuple[Floats, Floats]:

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from mat_core.analysis.inscribed import discs_of, find_tops, terrain
 from mat_core.analysis.intervals import Intervals, containing, intersection
+from mat_core.analysis.options import real
 from mat_core.analysis.places import AxisDisc, disc_at_node, discs_inside, radius_noise
 from mat_core.analysis.radii import RadiusArcs, radius_arcs, radius_intervals
 from mat_core.analysis.slopes import slope_intervals
@@ -146,6 +147,8 @@ def width(axis: MedialAxis, limit: float | None = None, *, angle: float = WALL_A
     UnsupportedOption
         `limit` is negative or not finite, or `angle` is not between 0 and pi.
     """
+    limit = None if limit is None else real("limit", limit)
+    angle = real("angle", angle)
     if limit is not None and not (limit >= 0.0 and math.isfinite(limit)):
         raise UnsupportedOption("limit", f"{limit} is not a thickness of at least 0")
     if not 0.0 <= angle <= math.pi:

@@ -70,31 +70,45 @@ def plot(
     """
     try:
         from matplotlib import pyplot
-        from matplotlib.collections import LineCollection
-        from matplotlib.colors import LinearSegmentedColormap
-        from matplotlib.patches import PathPatch
-        from matplotlib.path import Path
     except ImportError as error:
         raise ImportError("plotting needs the package matplotlib: pip install 'mat-core[plot]'") from error
     ax = pyplot.gca() if ax is None else ax
-    outline = Path.make_compound_path(*(Path(ring, closed=True) for ring in _rings(axis)))
-    ax.add_patch(PathPatch(outline, facecolor=FILL_COLOUR, edgecolor="none", zorder=1))
+    _draw_domain(axis, ax)
     _draw_discs(axis, ax, discs)
-    chords, radii = _chords(axis)
-    colours = LinearSegmentedColormap.from_list("radius", colour_scale(), SHADES)
-    lines = LineCollection(chords, cmap=colours, linewidths=linewidth, capstyle="round", zorder=3)
-    if len(chords):
-        lines.set_array(radii)
-        lines.set_clim(0.0, float(radii.max()))
-        ax.add_collection(lines)
-    ax.add_patch(PathPatch(outline, facecolor="none", edgecolor=BOUNDARY_COLOUR, linewidth=1.2, zorder=4))
+    lines = _draw_curves(axis, ax, linewidth)
     if nodes:
         _draw_nodes(axis, ax)
-    if colorbar and len(chords):
+    if colorbar and lines is not None:
         ax.figure.colorbar(lines, ax=ax, label="radius")
     ax.set_aspect("equal")
     ax.autoscale_view()
     return ax
+
+
+def _draw_domain(axis: MedialAxis, ax: Any) -> None:
+    """The inside below everything, the boundary above the axis."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    outline = Path.make_compound_path(*(Path(ring, closed=True) for ring in _rings(axis)))
+    ax.add_patch(PathPatch(outline, facecolor=FILL_COLOUR, edgecolor="none", zorder=1))
+    ax.add_patch(PathPatch(outline, facecolor="none", edgecolor=BOUNDARY_COLOUR, linewidth=1.2, zorder=4))
+
+
+def _draw_curves(axis: MedialAxis, ax: Any, linewidth: float) -> Any:
+    """The segments, coloured by radius: what a scale can be made for; None where there is no segment."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import LinearSegmentedColormap
+
+    chords, radii = _chords(axis)
+    if not chords:
+        return None
+    colours = LinearSegmentedColormap.from_list("radius", colour_scale(), SHADES)
+    lines = LineCollection(chords, cmap=colours, linewidths=linewidth, capstyle="round", zorder=3)
+    lines.set_array(radii)
+    lines.set_clim(0.0, float(radii.max()))
+    ax.add_collection(lines)
+    return lines
 
 
 def _rings(axis: MedialAxis) -> list[Floats]:

@@ -144,6 +144,49 @@ def _on_fit(
         _plane_root(si, sf, cp, b, s0, s1, a, strip_s[strip, 0], strip_s[strip, 1], x, y, r, share, ends, dx, dy, dr, found)
 
 
+@inner
+def _part_at(part_f: Floats, first: int, last: int, t: float) -> int:
+    """The part among first .. last - 1 of a segment that t is in."""
+    lo = first
+    hi = last
+    while hi - lo > 1:
+        mid = (lo + hi) // 2
+        if part_f[mid, 0] <= t:
+            lo = mid
+        else:
+            hi = mid
+    return lo
+
+
+@inner
+def _feet_beside(
+    si: Ints, sf: Floats, cp: Floats, a: int, b: int, strip_s: Floats, strip: int, side: int, t: float, degree: int,
+    knots: Floats, k0: int, k1: int, curve: Floats, c0: int, part_f: Floats, part: int, point: Floats, work: Floats,
+    ends: Floats, found: Floats,
+) -> tuple[float, float]:
+    """Both footpoints of the axis point beside `point` at t of a fitted piece; that point comes first in `found`."""
+    s0 = part_f[part, 2]
+    s1 = part_f[part, 3]
+    a0 = strip_s[strip, 0]
+    a1 = strip_s[strip, 1]
+    b0 = strip_s[strip, 2]
+    b1 = strip_s[strip, 3]
+    share = (t - part_f[part, 0]) / (part_f[part, 1] - part_f[part, 0])
+    at = s0 if share <= 0.0 else (s1 if share >= 1.0 else math.inf)
+    # the ends of a strip are known exactly, and may be centres of curvature
+    if side == 0 and (at == a0 or at == a1):
+        found[0], found[1], found[2], sj, dx, dy, dr = trace(si, sf, cp, a, at, b, b1, b0)
+        return at, b0 if at == a0 else b1
+    if side == 1 and (at == b0 or at == b1):
+        found[0], found[1], found[2], sj, dx, dy, dr = trace(si, sf, cp, b, at, a, a0, a1)
+        return a0 if at == b0 else a1, at
+    _on_fit(si, sf, cp, a, b, strip_s, strip, side, s0, s1, min(max(share, 0.0), 1.0), degree, knots, k0, k1, curve, c0,
+            part_f, part, point, work, ends, found)
+    if side == 0:
+        return found[3], found[4]
+    return found[4], found[3]
+
+
 @jit
 def locate(
     si: Ints, sf: Floats, cp: Floats, strip_i: Ints, strip_s: Floats, degree: Ints, knot_start: Ints, knots: Floats,
@@ -156,51 +199,22 @@ def locate(
     """
     for n in range(t.shape[0]):
         g = segment[n]
-        lo = part_start[g]
-        hi = part_start[g + 1]
-        while hi - lo > 1:
-            mid = (lo + hi) // 2
-            if part_f[mid, 0] <= t[n]:
-                lo = mid
-            else:
-                hi = mid
-        strip = part_i[lo, 1]
-        side = part_i[lo, 2]
-        s0 = part_f[lo, 2]
-        s1 = part_f[lo, 3]
-        forward = (s1 >= s0) == (side == 0)
-        if s0 == s1:
-            forward = True
+        part = _part_at(part_f, part_start[g], part_start[g + 1], t[n])
+        strip = part_i[part, 1]
+        side = part_i[part, 2]
+        forward = part_f[part, 2] == part_f[part, 3] or (part_f[part, 3] > part_f[part, 2]) == (side == 0)
         a = strip_i[strip, 0]
         b = strip_i[strip, 1]
-        a0 = strip_s[strip, 0]
-        a1 = strip_s[strip, 1]
-        b0 = strip_s[strip, 2]
-        b1 = strip_s[strip, 3]
         spline_point(degree[g], knots, knot_start[g], knot_start[g + 1], curve, cp_start[g], t[n], work, point)
         x = point[0]
         y = point[1]
         r = point[2]
         if si[a, KIND] != SPIRAL and si[b, KIND] != SPIRAL:
-            sa = foot_on(si, sf, a, a0, a1, x, y)
-            sb = foot_on(si, sf, b, b1, b0, x, y)
+            sa = foot_on(si, sf, a, strip_s[strip, 0], strip_s[strip, 1], x, y)
+            sb = foot_on(si, sf, b, strip_s[strip, 3], strip_s[strip, 2], x, y)
         else:
-            share = (t[n] - part_f[lo, 0]) / (part_f[lo, 1] - part_f[lo, 0])
-            at = s0 if share <= 0.0 else (s1 if share >= 1.0 else math.inf)
-            # the ends of a strip are known exactly, and may be centres of curvature
-            if side == 0 and (at == a0 or at == a1):
-                sa = at
-                sb = b0 if at == a0 else b1
-                found[0], found[1], found[2], sj, dx, dy, dr = trace(si, sf, cp, a, sa, b, b1, b0)
-            elif side == 1 and (at == b0 or at == b1):
-                sa = a0 if at == b0 else a1
-                sb = at
-                found[0], found[1], found[2], sj, dx, dy, dr = trace(si, sf, cp, b, sb, a, a0, a1)
-            else:
-                _on_fit(si, sf, cp, a, b, strip_s, strip, side, s0, s1, min(max(share, 0.0), 1.0), degree[g], knots,
-                        knot_start[g], knot_start[g + 1], curve, cp_start[g], part_f, lo, point, work, ends, found)
-                sa = found[3] if side == 0 else found[4]
-                sb = found[4] if side == 0 else found[3]
+            sa, sb = _feet_beside(si, sf, cp, a, b, strip_s, strip, side, t[n], degree[g], knots, knot_start[g],
+                                  knot_start[g + 1], curve, cp_start[g], part_f, part, point, work, ends, found)
             # nearer to a centre of curvature than the true point can be told, the curve is the better one
             gap = math.sqrt((found[0] - x) ** 2 + (found[1] - y) ** 2 + (found[2] - r) ** 2)
             if gap <= max_error[g]:

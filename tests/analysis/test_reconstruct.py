@@ -79,6 +79,37 @@ def test_an_icon_does_not_run_back_along_itself(tolerance: float) -> None:
     assert_domain_again(reconstruct(solve(shape, tolerance)))
 
 
+RIGHT = 0.7071067811865476
+ROUND_TIPS: dict[str, list[tuple[float, ...]]] = {
+    "drop": [
+        (160.0, 496.0, 150.42035580240113, 495.9882663961573, 0.8579739451045231),
+        (145.90682104930218, 487.5385489652241, 141.3932862962032, 479.0888315342909, 0.8579739451045231),
+        (146.71, 471.12), (210.71, 375.12, 219.59, 361.81, RIGHT), (232.9, 370.69, 246.21, 379.57, RIGHT), (237.33, 392.88),
+        (173.33, 488.88, 168.57234925808052, 496.01092213626595, 0.8814586964763292),
+    ],
+    "arrow": [
+        (5.854, 5.146, 5.5, 4.792, RIGHT), (5.146, 5.146, 4.792, 5.5, RIGHT), (5.146, 5.854), (9.243, 9.95),
+        (6.475, 9.95, 5.975, 9.95, RIGHT), (5.975, 10.45, 5.975, 10.95, RIGHT), (6.475, 10.95),
+        (10.45, 10.95, 10.95, 10.95, RIGHT), (10.95, 10.45), (10.95, 6.475, 10.95, 5.975, RIGHT),
+        (10.45, 5.975, 9.95, 5.975, RIGHT), (9.95, 6.475), (9.95, 9.243),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", sorted(ROUND_TIPS))
+def test_sides_that_overlap_on_a_disc_are_cut(name: str) -> None:
+    """Beside a wall of one circle the axis ends 1e-9 from its centre, where errors turn directions by a tenth of a radian."""
+    corners = ROUND_TIPS[name]
+    edges = [
+        {"degree": len(c) // 2, "control_points": [c[:2], *([c[2:4]] if len(c) > 2 else []), after[:2]],
+         "weights": [1.0, *c[4:], 1.0]}
+        for c, after in zip(corners, corners[1:] + corners[:1], strict=True)
+    ]  # fmt: skip
+    rebuilt = reconstruct(axis := solve({"outer": edges}))
+    assert rebuilt.distance <= TARGET * axis.domain.size
+    assert_domain_again(rebuilt)
+
+
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-9])
 @pytest.mark.parametrize(
     "name",

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from mat_core.analysis.bernstein import product, sign_changes
 from mat_core.analysis.inscribed import inscribed_disc
 from mat_core.analysis.intervals import Intervals, intersection, joined
+from mat_core.analysis.options import real
 from mat_core.analysis.pruning.peeling import Peeling
 from mat_core.analysis.pruning.pruned import PrunedAxis, view
 from mat_core.analysis.slopes import slope_intervals, stretches
@@ -74,7 +75,7 @@ def prune(
     UnsupportedOption
         An option is out of its range, or none is given.
     """
-    _check(angle, length, radius_ratio, scale)
+    angle, length, radius_ratio, scale = _checked(angle, length, radius_ratio, scale)
     peeling = Peeling(axis, inscribed_disc(axis) if axis.runs.cycles == 0 else None)
     if scale is not None:
         peeling.shorten("scale", *_uncovered(axis, peeling, scale))
@@ -88,15 +89,19 @@ def prune(
     return view(axis, peeling)
 
 
-def _check(angle: float | None, length: float | None, radius_ratio: float | None, scale: float | None) -> None:
-    """Raise UnsupportedOption for an option out of its range."""
+def _checked(
+    angle: float | None, length: float | None, radius_ratio: float | None, scale: float | None
+) -> list[float | None]:
+    """The options as floats; UnsupportedOption for one out of its range."""
     ranges = (("angle", angle, 0.0, math.pi, "between 0 and pi radians"), ("length", length, 0.0, math.inf, "at least 0"),
               ("radius_ratio", radius_ratio, 1.0, math.inf, "at least 1"), ("scale", scale, 1.0, math.inf, "at least 1"))
-    for name, value, low, high, words in ranges:
+    found = [None if value is None else real(name, value) for name, value, *_ in ranges]
+    for (name, given, low, high, words), value in zip(ranges, found, strict=True):
         if value is not None and not low <= value <= high:
-            raise UnsupportedOption(name, f"{value} is not {words}")
-    if all(value is None for _, value, *_ in ranges):
+            raise UnsupportedOption(name, f"{given} is not {words}")
+    if all(value is None for value in found):
         raise UnsupportedOption("angle", "nothing to prune by; give at least one of angle, length, radius_ratio, scale")
+    return found
 
 
 def _uncovered(axis: MedialAxis, peeling: Peeling, s: float) -> tuple[Intervals, Intervals]:

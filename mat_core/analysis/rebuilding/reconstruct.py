@@ -122,7 +122,8 @@ def reconstruct(axis: MedialAxis) -> Reconstruction:
 
     Notes
     -----
-    A loop does not cross itself but where two walls are nearer to each other than the errors of the axis.
+    Loops do not cross themselves or each other but where two walls are nearer to each other than the errors of the axis: the
+    result is as near to the boundary there as everywhere, but is no domain; a finer tolerance gives one.
 
     H. Blum, "A transformation for extracting new descriptors of shape" (1967): axis and radius determine the shape.
     """
@@ -290,23 +291,29 @@ class _Rebuilder:
         middle: Floats = 0.5 * (control[0, 0] + control[-1, -1])
         return middle
 
+    def _from_widest_gap(self, chain: list[_Side]) -> tuple[list[_Side], list[_Gap]]:
+        """The chain from behind its widest gap on, where nothing overlaps, with the gap after each side."""
+        gaps = [self._gap(side, after) for side, after in zip(chain, chain[1:] + chain[:1], strict=True)]
+        first = 1 + max(range(len(chain)), key=lambda i: gaps[i].turn * gaps[i].disc[2])
+        return chain[first:] + chain[:first], gaps[first:] + gaps[:first]
+
     def _draw(self, chain: list[_Side]) -> list[RationalBSpline]:
         """One loop of curves, ends joined."""
+        chain, gaps = self._from_widest_gap(chain)
         edges: list[Part] = []
         smooth = False
         controls = [self._controls(side) for side in chain]
         vertices = [self._vertex(side) if control else self._middle(side) for side, control in zip(chain, controls, strict=True)]
-        for i, (side, vertex) in enumerate(zip(chain, vertices, strict=True)):
-            following = (i + 1) % len(chain)
-            gap = self._gap(side, chain[following])
+        for i, (side, vertex, gap) in enumerate(zip(chain, vertices, gaps, strict=True)):
             if vertex is not None:
                 edges.append(Part([], None, vertex))
             elif smooth:
                 follow(edges[-1].pieces, controls[i], self._heading(side))
             else:
                 edges.append(Part(controls[i], None, None))
-            smooth = vertex is None and abs(gap.turn) * gap.disc[2] <= SNAP < gap.disc[2]
-            smooth = smooth and vertices[following] is None
+            # sides that overlap on their disc do so by errors, along themselves: the second one goes on where it starts
+            smooth = vertex is None and gap.turn * gap.disc[2] <= SNAP < gap.disc[2]
+            smooth = smooth and vertices[(i + 1) % len(chain)] is None
             if gap.turn * gap.disc[2] > SNAP:
                 p = vertex if vertex is not None else edges[-1].pieces[-1][-1]
                 edges.append(Part([], _arc_about(gap.disc, p, gap.turn), None))

@@ -1,0 +1,172 @@
+r"""Bounds of how far fitted curves are from the true axis, proved up to rounding.
+
+F = (c, r)(v) is a polynomial of a segment between two sides; g_1 and g_2 are the distances from these, e_i = g_i(c) - r, and
+n_i their gradients, the unit normals at the feet. With what `sides` tells of e_i, and
+
+    S = |n_1 - n_2| / 2,  the sine of half the angle between the normals,   t0 = |e_1 - e_2| / (2 S).
+
+Along u = (n_1 - n_2) / |n_1 - n_2| the difference g_1 - g_2 is e_1 - e_2 at c and grows by 2 S, less B t if B bounds the second
+derivatives of g_1 and g_2 together. So with k = 5/4 B t0 / (2 S) <= 1/5 it vanishes within t0 / (1 - k): there a true axis
+point stands, and its radius is |e_1 + e_2| / 2 + B t0^2 at most from r. For every v
+
+    |F - true axis|  <=  t0 / (1 - k) + |e_1 + e_2| / 2 + B t0^2        in the norm |(x, y)| + |r|.
+
+All are quotients of polynomials but for what `sides` bounds, and enclosed on cells of [0, 1] by their Bernstein coefficients.
+At a centre of curvature, where S ~ v, the powers of v in e ~ v^4, S ~ v, B ~ 1 / v^2 leave bounds of the same form: `sides`
+has divided them out, and v^3 is at most one.
+
+B is twice what the second derivatives are at c: that they do not double on the way of t0 is the one thing here that is not
+enclosed; k says that t0 is a fifth of S times their radius of curvature at most. Which sides a disc touches is not asked here
+but by the certificate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mat_core.analysis.bernstein import product, restrict
+from mat_core.analysis.proving.polynomials import cells, compose, over_power, total
+from mat_core.analysis.proving.sides import LEAF, PLAIN, VERTEX, Side, side_of
+from mat_core.analysis.spans import cut_parts
+from mat_core.axis import MedialAxis
+from mat_core.curves.conics import K_FREEFORM
+from mat_core.kernels.layout import CURVATURE_LEAF
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+CUTS = 4  # of each half of a part
+FINER_CUTS = 16  # where that proves less than is stated: enclosures are looser by 1 / cuts^2
+SMALLEST = 1e-13  # normalised: a radius this small is none, a disc this near to another is it
+LARGEST_BEND = 0.2  # k above
+
+
+@dataclass(frozen=True, eq=False)
+class ProvenErrors:
+    """What was proved of the fitted parts of an axis; lengths in the caller's unit.
+
+    Attributes
+    ----------
+    segment : (P,) int64
+        Whose parts they are: those between a free curve and another side, in order.
+    bound : (P,) float64
+        Proved for each; infinite where nothing was.
+    stated : (P,) float64
+        `max_error` of the segment.
+    """
+
+    segment: Ints
+    bound: Floats
+    stated: Floats
+
+    @property
+    def proved(self) -> NDArray[np.bool_]:
+        """(P,) whether what is stated is proved."""
+        return np.asarray(self.bound <= self.stated)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain lists and numbers; None where nothing was proved."""
+        bounds = [b if np.isfinite(b) else None for b in self.bound.tolist()]
+        return {"segment": self.segment.tolist(), "bound": bounds, "stated": self.stated.tolist()}
+
+
+def prove_errors(axis: MedialAxis) -> ProvenErrors:
+    """Bounds of the distance of all fitted curves from the true axis, by enclosures of polynomials.
+
+    It costs hundreds of times what solving does, and is meant for tests and for those who rely on `max_error`. Conics, which
+    state what rounding left of them, are not among them.
+
+    Parameters
+    ----------
+    axis : MedialAxis
+
+    Returns
+    -------
+    ProvenErrors
+    """
+    c = axis.curves
+    degree, rows = cut_parts(axis)
+    part = np.flatnonzero(c.part_i[:, 3] == K_FREEFORM)
+    segment = c.part_segment[part]
+    stated = c.max_error[segment]
+    bound = np.full(len(part), np.inf)
+    for cuts in (CUTS, FINER_CUTS):
+        wanted = np.flatnonzero(np.isfinite(bound) & (bound > stated) if cuts == FINER_CUTS else stated >= 0.0)
+        for n in np.unique(degree[part[wanted]]).tolist():
+            own = wanted[degree[part[wanted]] == n]
+            bound[own] = _whole(axis, c.part_i[part[own], 1], rows[part[own], : n + 1, :3], cuts)
+    scale = axis.table.scale
+    return ProvenErrors(segment, bound / scale, stated / scale)
+
+
+def _whole(axis: MedialAxis, strip: Ints, disc: Floats, cuts: int) -> Floats:
+    """(R,) bounds over parts with Bernstein coefficients x, y, r: both halves, each from its outer end inwards."""
+    none = np.zeros(len(strip))
+    first, second = restrict(disc, none, none + 0.5), restrict(disc, none + 0.5, none + 1.0)[:, ::-1]
+    return np.maximum(_half(axis, strip, first, cuts), _half(axis, strip, second, cuts))
+
+
+def _half(axis: MedialAxis, strip: Ints, disc: Floats, cuts: int) -> Floats:
+    """(R,) bounds over halves of parts that begin (v = 0) where the part ends."""
+    k = axis.skeleton
+    kind = np.full(len(strip), PLAIN)
+    kind[disc[:, 0, 2] <= SMALLEST] = VERTEX
+    for end in (2, 3):
+        own = k.strip_i[strip, end]
+        there = np.abs(k.disc[own] - disc[:, 0]).max(axis=1) <= SMALLEST
+        kind[there & (k.disc_kind[own] == CURVATURE_LEAF)] = LEAF
+    bound = np.zeros(len(strip))
+    for one in np.unique(kind).tolist():
+        rows = np.flatnonzero(kind == one)
+        curve = disc[rows]
+        if one == LEAF:
+            squared = np.tile([0.0, 0.0, 1.0], (len(rows), 1))  # v^2
+            curve = np.stack([compose(curve[:, :, i], squared) for i in range(3)], axis=2)
+        for cut in range(cuts):
+            lo = np.full(len(rows), cut / cuts)
+            found = _bound(axis, strip[rows], restrict(curve, lo, lo + 1.0 / cuts), one if cut == 0 else PLAIN)
+            bound[rows] = np.maximum(bound[rows], found)
+    return bound
+
+
+def _bound(axis: MedialAxis, strip: Ints, disc: Floats, kind: int) -> Floats:
+    """(R,) bounds over 0 <= v <= 1."""
+    k = axis.skeleton
+    right, left = (side_of(axis.table, k.strip_i[strip, i], k.strip_s[strip, 2 * i : 2 * i + 2], disc, kind) for i in range(2))
+    return np.array([_of_pair(right, left, i, kind) for i in range(len(strip))])
+
+
+def _of_pair(right: Side, left: Side, row: int, kind: int) -> float:
+    """The bound where both sides of one polynomial are known: the largest over cells of [0, 1]."""
+    if not np.isfinite(right.miss[row] + left.miss[row]):
+        return np.inf
+    (ax, ay, am, ao, au), (bx, by, bm, bo, bu) = (
+        (s.x[row][None], s.y[row][None], s.m[row][None], s.off[row][None], s.over[row][None]) for s in (right, left)
+    )
+    apart = [total(product(a, bm), product(b, am), -1.0) for a, b in ((ax, bx), (ay, by))]
+    if kind == LEAF:
+        both = [over_power(p, 1) for p in apart]
+        if not all(bool(fits[0]) for _, fits in both):
+            return np.inf
+        apart = [p for p, _ in both]
+    square = cells(product(apart[0], apart[0]) + product(apart[1], apart[1]))[0].min(axis=1)
+    most = np.abs(cells(product(am, bm))[0]).max(axis=1)
+    sine = 0.5 * np.sqrt(np.maximum(square, 0.0)) / most - 0.5 * float(right.astray[row] + left.astray[row])
+    over = cells(product(au, bu))[0].min(axis=1)
+    if not (sine > 0.0).all() or not (over > 0.0).all():
+        return np.inf
+    slack = float(right.slack[row] + left.slack[row])
+    cross = product(ao, bu), product(bo, au)
+    difference, mean = (
+        np.abs(cells(total(*cross, sign))[0]).max(axis=1) / over + slack for sign in (-1.0, 1.0)
+    )
+    moved = difference / (2.0 * sine)
+    bend = 2.0 * float(right.bend[row] + left.bend[row])
+    lost = 0.625 * bend * moved / sine
+    if not (lost <= LARGEST_BEND).all():
+        return np.inf
+    return float((moved / (1.0 - lost) + 0.5 * mean + bend * moved * moved).max())
