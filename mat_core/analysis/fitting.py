@@ -104,7 +104,6 @@ def fit(
     Fits
     """
     m = 2 if tolerance >= FINE else 4
-    places, matrix, basis = _scheme(m)
     item = np.arange(curves)
     lo, hi = np.zeros(curves), np.ones(curves)
     before = np.full(curves, np.inf)
@@ -112,28 +111,10 @@ def fit(
     for remaining in range(ROUNDS, -1, -1):
         if not len(item):
             break
-        v = lo[:, None] + (hi - lo)[:, None] * np.concatenate(([0.0], places, [1.0]))
-        v[:, -1] = hi
-        found = points(np.repeat(item, v.shape[1]), v.reshape(-1)).reshape(*v.shape, 2)
-        ends = derivatives(np.repeat(item, 2), np.column_stack((lo, hi)).reshape(-1)).reshape(-1, 2, 2)
-        legs = ends * ((hi - lo) / (m + 3))[:, None, None]
-        first, last = found[:, :1], found[:, -1:]
-        known = np.concatenate((first, legs[:, :1] * (m + 3), found[:, 1 : m + 1], legs[:, 1:] * (m + 3), last), axis=1)
-        # about the first point, so that rounding is that of the piece and not of its place
-        control = np.einsum("ij,kjc->kic", matrix, _about(known, first)) + first
-        control[:, :1], control[:, 1:2] = first, first + legs[:, :1]
-        control[:, -1:], control[:, -2:-1] = last, last - legs[:, 1:]
-        miss = np.einsum("ij,kjc->kic", basis, control) - found[:, m + 1 : -1]
-        error = SAFETY * np.sqrt((miss**2).sum(axis=2).max(axis=1))
+        control, error = _interpolate(points, derivatives, item, lo, hi, m)
         good = error <= tolerance
         if regular:
-            chord = np.hypot(*(last - first)[:, 0].T)
-            slow = np.hypot(legs[:, :, 0], legs[:, :, 1]).min(axis=1) < SLOW * chord
-            good &= ~slow
-            short = slow & (chord <= max(tolerance, NOISE))
-            control[short] = (first + (last - first) * np.linspace(0.0, 1.0, m + 4)[:, None])[short]
-            error[short] = chord[short]
-            good |= short
+            _straighten(control, error, good, tolerance)
         # halving helps no more: what is left is the rounding of the points themselves
         stalled = (error <= noise) & (error >= STALLED * before)
         ended = remaining == 0 or len(item) > WAITING * (curves + 1)
@@ -150,9 +131,47 @@ def fit(
         item, lo, hi = np.repeat(item, 2), np.column_stack((lo, middle)).reshape(-1), np.column_stack((middle, hi)).reshape(-1)
     if not done:
         return Fits(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, m + 4, 2)), np.empty(0))
+    return _in_order(done)
+
+
+def _in_order(done: list[tuple[Ints, Floats, Floats, Floats]]) -> Fits:
+    """Pieces of all rounds, by curve and along it."""
     all_item, all_ends, all_control, all_error = (np.concatenate(columns) for columns in zip(*done, strict=True))
     order = np.lexsort((all_ends[:, 0], all_item))
     return Fits(all_item[order], all_ends[order], all_control[order], all_error[order])
+
+
+def _interpolate(
+    points: Curves, derivatives: Curves, item: Ints, lo: Floats, hi: Floats, m: int
+) -> tuple[Floats, Floats]:
+    """Bezier control points (K, m + 4, 2) of all intervals lo .. hi, and their measured errors (K,)."""
+    places, matrix, basis = _scheme(m)
+    v = lo[:, None] + (hi - lo)[:, None] * np.concatenate(([0.0], places, [1.0]))
+    v[:, -1] = hi
+    found = points(np.repeat(item, v.shape[1]), v.reshape(-1)).reshape(*v.shape, 2)
+    ends = derivatives(np.repeat(item, 2), np.column_stack((lo, hi)).reshape(-1)).reshape(-1, 2, 2)
+    legs = ends * ((hi - lo) / (m + 3))[:, None, None]
+    first, last = found[:, :1], found[:, -1:]
+    known = np.concatenate((first, legs[:, :1] * (m + 3), found[:, 1 : m + 1], legs[:, 1:] * (m + 3), last), axis=1)
+    # about the first point, so that rounding is that of the piece and not of its place
+    control = np.einsum("ij,kjc->kic", matrix, _about(known, first)) + first
+    control[:, :1], control[:, 1:2] = first, first + legs[:, :1]
+    control[:, -1:], control[:, -2:-1] = last, last - legs[:, 1:]
+    miss = np.einsum("ij,kjc->kic", basis, control) - found[:, m + 1 : -1]
+    return control, SAFETY * np.sqrt((miss**2).sum(axis=2).max(axis=1))
+
+
+def _straighten(control: Floats, error: Floats, good: NDArray[np.bool_], tolerance: float) -> None:
+    """Pieces with an end without speed are not good, but for those shorter than the tolerance: these become straight."""
+    first, last = control[:, :1], control[:, -1:]
+    chord = np.hypot(*(last - first)[:, 0].T)
+    legs = np.hypot(*np.diff(control, axis=1)[:, [0, -1]].transpose(2, 0, 1))
+    slow = legs.min(axis=1) < SLOW * chord
+    good &= ~slow
+    short = slow & (chord <= max(tolerance, NOISE))
+    control[short] = (first + (last - first) * np.linspace(0.0, 1.0, control.shape[1])[:, None])[short]
+    error[short] = chord[short]
+    good |= short
 
 
 def _about(known: Floats, first: Floats) -> Floats:

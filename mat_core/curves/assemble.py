@@ -48,8 +48,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-FINE_TOLERANCE = 2e-5  # at and above: quintic pieces, below: degree 7; a quarter fewer pieces at 1e-6
-FINEST_TOLERANCE = 2e-8  # below: degree 9; a fifth fewer pieces at 1e-9, a third at 1e-12
 ROUNDING = 4.5e-16  # of coordinates, the caller's: two roundings of the largest one
 LEAST_SHARE = 0.5  # of the tolerance that fits must keep, when rounding takes the rest or more
 DRIFT = 64.0  # spans may grow or shrink so much against lengths; over thousands of C1 joints t would lose its digits
@@ -127,7 +125,7 @@ def _join(pieces: Pieces, begin: int, end: int, out: CurveTable, g: int) -> floa
     defects = 0.0
     fitted_before = False
     for p in range(begin, end):
-        fitted = pieces.piece_i[p, P_KIND] == K_FREEFORM and pieces.piece_i[p, P_DEGREE] == n
+        fitted = pieces.piece_i[p, P_KIND] == K_FREEFORM
         raise_degree(pieces.cp, pieces.piece_i[p, P_ROW], pieces.piece_i[p, P_DEGREE], n, cp, row)
         length = max(pieces.piece_f[p, P_LENGTH], SHORTEST)
         if p > begin and fitted and fitted_before:
@@ -215,7 +213,7 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     runs = len(graph.start_node)
     rounding = ROUNDING * (1.0 + float(np.abs(table.origin).max()) * table.scale)
     wanted = max(tolerance - rounding - AXIS_ROUNDING, LEAST_SHARE * tolerance)
-    pieces, count = fit_all(table, skeleton, graph, wanted, _degree(tolerance), threads)
+    pieces, count = fit_all(table, skeleton, graph, wanted, threads)
     degree = int(pieces.piece_i[:count, P_DEGREE].max(initial=1))
     parts = int(pieces.piece_i[count, P_PART])
     out = CurveTable(
@@ -228,13 +226,6 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     assemble_runs(graph.run_start, graph.run_strip, graph.run_forward, pieces, rounding, out)
     return CurveTable(out.degree, out.kind, out.knot_start, out.knots[: out.knot_start[-1]], out.cp_start,
                       out.cp[: out.cp_start[-1]], out.max_error, out.part_start, out.part_i, out.part_f)
-
-
-def _degree(tolerance: float) -> int:
-    """Of fitted pieces."""
-    if tolerance < FINEST_TOLERANCE:
-        return 9
-    return 7 if tolerance < FINE_TOLERANCE else 5
 
 
 def build_axis(

@@ -7,23 +7,19 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.curves.way import I_X, Scratch
+from mat_core.curves.way import I_X, ROWS, Scratch
 from mat_core.kernels.jit import inner
 
 Floats = NDArray[np.float64]
 
+# H in the Bernstein form of degree n: coefficient j is the sum over i of RAISED[n, j, i] H_i. Coefficient i of g, whose degree is
+# n - 4, becomes coefficient i + 2 of tau^2 (1 - tau)^2 g by the factor WEIGHED[n, i]
+RAISED = np.array([[[math.comb(3, i) * math.comb(n - 3, j - i) / math.comb(n, j) if 0 <= j - i <= n - 3 else 0.0
+                     for i in range(4)] for j in range(ROWS)] for n in range(ROWS)])  # fmt: skip
+WEIGHED = np.array([[math.comb(n - 4, i) / math.comb(n, i + 2) if 0 <= i <= n - 4 else 0.0 for i in range(ROWS)]
+                    for n in range(ROWS)])  # fmt: skip
+
 LOST = 1e-9  # largest error, other than the tolerance, at which cutting may end; more is a jump, not rounding
-
-
-@inner
-def _binomial(n: int, k: int) -> float:
-    """The binomial coefficient n over k; 0 outside the triangle."""
-    if k < 0 or k > n:
-        return 0.0
-    c = 1.0
-    for i in range(k):
-        c = c * (n - i) / (i + 1.0)
-    return c
 
 
 @inner
@@ -33,11 +29,10 @@ def write_fit(scratch: Scratch, m: int, out: Floats, row: int) -> None:
     work = scratch.bernstein
     n = m + 3
     for j in range(n + 1):
-        total = _binomial(n, j)
         for c in range(3):
             value = 0.0
             for i in range(4):
-                value += scratch.hermite[i, c] * _binomial(3, i) * _binomial(n - 3, j - i) / total
+                value += scratch.hermite[i, c] * RAISED[n, j, i]
             out[row + j, c] = value
         out[row + j, 3] = 1.0
     for c in range(3):
@@ -46,15 +41,16 @@ def write_fit(scratch: Scratch, m: int, out: Floats, row: int) -> None:
         for i in range(m - 2, -1, -1):
             d = m - 2 - i
             root = scratch.samples[i, 0]
+            share = 1.0 / (d + 1.0)
             for j in range(d + 1, -1, -1):
                 value = 0.0
                 if j <= d:
                     value -= (d + 1 - j) * root * work[j]
                 if j >= 1:
                     value += j * (1.0 - root) * work[j - 1]
-                work[j] = value / (d + 1.0) + newton[i, c]
+                work[j] = value * share + newton[i, c]
         for i in range(m):
-            out[row + i + 2, c] += work[i] * _binomial(m - 1, i) / _binomial(n, i + 2)
+            out[row + i + 2, c] += work[i] * WEIGHED[n, i]
 
 
 @inner
@@ -83,29 +79,20 @@ def straight(scratch: Scratch, row: int, m: int, out: Floats, to: int) -> float:
 
 @inner
 def raise_degree(cp: Floats, row: int, degree: int, wanted: int, out: Floats, to: int) -> None:
-    """Write a Bezier with `wanted` + 1 control points; rows are x, y, r, w (not multiplied)."""
-    for j in range(wanted + 1):
-        total = 1.0
-        for i in range(j):
-            total = total * (wanted - i) / (i + 1.0)
-        x = y = r = w = 0.0
-        for i in range(degree + 1):
-            # binomial(degree, i) binomial(wanted - degree, j - i) / binomial(wanted, j)
-            k = j - i
-            if k < 0 or k > wanted - degree:
-                continue
-            share = 1.0 / total
-            for m in range(i):
-                share = share * (degree - m) / (m + 1.0)
-            for m in range(k):
-                share = share * (wanted - degree - m) / (m + 1.0)
-            share *= cp[row + i, 3]
-            x += share * cp[row + i, 0]
-            y += share * cp[row + i, 1]
-            r += share * cp[row + i, 2]
-            w += share
-        place = to + j
-        out[place, 0] = x / w
-        out[place, 1] = y / w
-        out[place, 2] = r / w
-        out[place, 3] = w
+    """Write a Bezier with `wanted` + 1 control points, one degree after the other; rows are x, y, r, w (not multiplied)."""
+    for j in range(degree + 1):
+        w = cp[row + j, 3]
+        for c in range(3):
+            out[to + j, c] = w * cp[row + j, c] if degree < wanted else cp[row + j, c]
+        out[to + j, 3] = w
+    for n in range(degree + 1, wanted + 1):
+        for c in range(4):
+            out[to + n, c] = out[to + n - 1, c]
+        for j in range(n - 1, 0, -1):
+            share = j / n
+            for c in range(4):
+                out[to + j, c] = share * out[to + j - 1, c] + (1.0 - share) * out[to + j, c]
+    if degree < wanted:
+        for j in range(wanted + 1):
+            for c in range(3):
+                out[to + j, c] /= out[to + j, 3]

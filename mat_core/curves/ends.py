@@ -7,7 +7,21 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.curves.way import END_COLUMNS, I_ROW, I_S, I_TX, I_X, WAY_S0, WAY_S1, WAY_SITE, Track
+from mat_core.curves.way import (
+    END_COLUMNS,
+    I_ROW,
+    I_S,
+    I_SJ,
+    I_TX,
+    I_X,
+    WAY_S0,
+    WAY_S1,
+    WAY_SITE,
+    Scratch,
+    Track,
+    partner_end,
+    sample,
+)
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import V0, V1
@@ -41,7 +55,7 @@ def tangent(track: Track, a: int, sa: float, b: int, sb: float, r: float, sign: 
 
 @inner
 def _put_end(
-    ends: Floats, row: int, w: int, s: float, x: float, y: float, r: float, t: tuple[float, float, float]
+    ends: Floats, row: int, w: int, s: float, sj: float, x: float, y: float, r: float, t: tuple[float, float, float]
 ) -> None:
     """One end of an interval."""
     ends[row, I_S] = s
@@ -52,6 +66,7 @@ def _put_end(
     ends[row, I_TX + 1] = t[1]
     ends[row, I_TX + 2] = t[2]
     ends[row, I_ROW] = w
+    ends[row, I_SJ] = sj
 
 
 @inner
@@ -61,17 +76,20 @@ def put_disc(track: Track, w: int, end: int, ends: Floats, row: int) -> None:
     right, left = track.strip_i[w, 0], track.strip_i[w, 1]
     t = tangent(track, right, track.strip_s[w, end], left, track.strip_s[w, 2 + end], track.disc[d, 2], -1.0 if end else 1.0)
     s = track.way_f[w, WAY_S1 if end else WAY_S0]
-    _put_end(ends, row, w, s, track.disc[d, 0], track.disc[d, 1], track.disc[d, 2], t)
+    _put_end(ends, row, w, s, partner_end(track, w, end), track.disc[d, 0], track.disc[d, 1], track.disc[d, 2], t)
 
 
 @inner
-def put_sample(track: Track, w: int, samples: Floats, row: int, ends: Floats, to: int) -> None:
+def put_sample(track: Track, scratch: Scratch, w: int, row: int, ends: Floats, to: int) -> None:
     """End of an interval at a sample in the strip of row w."""
+    samples = scratch.samples
     s = samples[row, 4]
+    # sampling ends where the disc is right to rounding; directions tell more of where the partner is
+    sample(track, scratch, w, s, samples[row, 5], row)
     sj = samples[row, 5]
     right = track.way_i[w, WAY_SITE] == track.strip_i[w, 0]
     t = tangent(track, track.strip_i[w, 0], s if right else sj, track.strip_i[w, 1], sj if right else s, samples[row, 3], 1.0)
-    _put_end(ends, to, w, s, samples[row, 1], samples[row, 2], samples[row, 3], t)
+    _put_end(ends, to, w, s, sj, samples[row, 1], samples[row, 2], samples[row, 3], t)
 
 
 @inner

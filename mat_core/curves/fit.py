@@ -49,7 +49,7 @@ def travel(
 
 
 @jit
-def fit_strips(track: Track, scratch: Scratch, pieces: Pieces, tolerance: float, degree: int, begin: int, rows: int) -> int:
+def fit_strips(track: Track, scratch: Scratch, pieces: Pieces, tolerance: float, begin: int, rows: int) -> int:
     """Pieces of the strips in rows begin .. rows - 1 of the track; their number or a status.
 
     The strip of row `begin` is not joined to the one before. The pieces of a stretch stand at the first of its strips:
@@ -73,7 +73,7 @@ def fit_strips(track: Track, scratch: Scratch, pieces: Pieces, tolerance: float,
             before = count
             # a footpoint that belongs to its disc only to rounding misleads on its own side, not on the other one
             for flip in range(2):
-                count = free_stretch(track, scratch, pieces, w, end, flip, tolerance, degree - 3, before)
+                count = free_stretch(track, scratch, pieces, w, end, flip, tolerance, before)
                 if count != NO_FIT:
                     break
             if count == NO_FIT and end > w + 1:

@@ -20,7 +20,7 @@ from mat_core.topology.skeleton import Skeleton
 
 
 def fit_all(
-    table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float, degree: int, threads: int
+    table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float, threads: int
 ) -> tuple[Pieces, int]:
     """Pieces of all segments and their number, within a tolerance in normalised units as far as rounding lets them."""
     n = len(graph.run_strip)
@@ -29,7 +29,7 @@ def fit_all(
            np.empty((2 * HIGHEST_DEGREE + 2, 2)))
 
     def fit(part: Bounds) -> tuple[Pieces, int]:
-        return _fit_part(track, part, tolerance, degree)
+        return _fit_part(track, part, tolerance)
 
     made = []
     for pieces, count in each(fit, cut_between(np.flatnonzero(~track.joined), n) if n else [(0, 0)], threads):
@@ -39,7 +39,7 @@ def fit_all(
     return made[0] if len(made) == 1 else _gathered(made)
 
 
-def _fit_part(track: Track, part: Bounds, tolerance: float, degree: int) -> tuple[Pieces, int]:
+def _fit_part(track: Track, part: Bounds, tolerance: float) -> tuple[Pieces, int]:
     """The pieces of the strips from .. to - 1 and their number, or NO_FIT less the row of the strip that cannot be followed."""
     begin, end = part
     scratch = new_scratch()
@@ -49,7 +49,7 @@ def _fit_part(track: Track, part: Bounds, tolerance: float, degree: int) -> tupl
         # ends after the first growth but for curves of many pieces; at the latest at MAX_PIECES for each stretch
         room *= 4
         made = new_pieces(room, end - begin)
-        count = fit_strips(track, scratch, made, tolerance, degree, begin, end)
+        count = fit_strips(track, scratch, made, tolerance, begin, end)
     alone = end - begin == len(track.joined)
     return made if alone or count < 0 else _used(made, count), count
 

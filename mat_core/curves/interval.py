@@ -9,12 +9,12 @@ Approximation, 1963, section 3.6; X smooth)
     F(tau) - X(tau) = -W(tau) h(tau),    W = tau^2 (1 - tau)^2 prod (tau - tau_i),    h = X[0, 0, 1, 1, tau_1 .. tau_m, tau].
 
 W is known, h is slowly varying. Let p_k be the polynomial through the first k values of h at the K = m + 3 checks,
-taken from the middle outwards in pairs, and |.| the norm |(x, y)| + |r|.
+taken from the middle outwards in pairs, and |.| the norm |(x, y)| + |r|; for corrections |x| + |y| + |r|, which is no less.
 
 1. |W p_K|: a polynomial of degree d = 2 m + 6 in any direction, so from its values at N Chebyshev points (Ehlich, Zeller,
    Schwankung von Polynomen zwischen Gitterpunkten, Math. Z. 86, 1964):  max |W p_K| <= max_k |W p_K|(x_k) / cos(pi d / 2 N).
 2. |W (h - p_K)|: assumed, as for every function that is analytic around the interval, is that two more terms at a time
-   the corrections D_k = max |W (p_k - p_{k-2})| fall at least as fast as the last three measured did (p_{-1} = 0). With
+   the corrections D_k = max |W (p_k - p_{k-2})|, at the points of 1., fall as fast as the last three did (p_{-1} = 0). With
    q = max(D_K / D_{K-2}, sqrt(D_K / D_{K-4})):    |W (h - p_K)| <= D_K (q + q^2 + ...) = D_K q / (1 - q).
    One ratio alone says little where corrections rise and fall in turn: the last one may be small after a large one by chance.
    q is kept between FAST, what is less may be chance, and SLOW: where corrections are not seen to fall (rounding, a joint
@@ -34,21 +34,26 @@ import math
 
 import numpy as np
 
-from mat_core.curves.polynomial import divide, hermite_of, interpolate, miss, weight_of
-from mat_core.curves.way import I_ROW, PLAN_S0, PLAN_S1, PLAN_T, SPARE_MISS, Scratch, Track, sample, sample_at
+from mat_core.curves.plan import sample_at, sample_planned
+from mat_core.curves.polynomial import divide, interpolate, miss, weight_of
+from mat_core.curves.way import I_ROW, MOST_NODES, PLAN_S0, PLAN_S1, PLAN_T, SPARE, SPARE_MISS, Scratch, Track
 from mat_core.kernels.jit import inner
 
-# abscissae of checks (even) and nodes (odd) up to the middle, for 2, 4 and 6 nodes: |W| is equally large at all checks
-FRACTIONS = (0.182223, 0.337294, 0.5,
-             0.098311, 0.186439, 0.284563, 0.390292, 0.5,
-             0.061866, 0.118639, 0.183531, 0.255779, 0.333844, 0.415906, 0.5)  # fmt: skip
+# abscissae of checks (even) and nodes (odd) up to the middle, for 2, 4, 6 and 8 nodes: |W| is equally large at all checks
+FRACTIONS = np.array((0.182223, 0.337294, 0.5,
+                      0.098311, 0.186439, 0.284563, 0.390292, 0.5,
+                      0.061866, 0.118639, 0.183531, 0.255779, 0.333844, 0.415906, 0.5,
+                      0.042593, 0.082171, 0.128037, 0.17997, 0.237242, 0.298938, 0.364034, 0.431435, 0.5))  # fmt: skip
 OUTER = 0.6  # abscissa of the checks beside the ends, relative to the first one's
 CHASE = 4  # samples to bring such a check within NEAR_ENOUGH of its abscissa
 NEAR_ENOUGH = 0.04
 MIN_GAP = 0.02  # least distance of neighbouring abscissae; below, the interpolation would be ill-conditioned
 MARGIN = 0.15  # least distance of a check from what stands beside it, relative to the distance of these; nearer, W vanishes
 
-CHEBYSHEV = 0.5 - 0.5 * np.cos(np.pi * (np.arange(48) + 0.5) / 48.0)  # on [0, 1]
+POINTS = 5  # Chebyshev points for each two degrees of W p_K: nowhere more than 1 / cos(pi / POINTS) = 1.24 times as at these
+CHEBYSHEV = np.array([[0.5 - 0.5 * math.cos(math.pi * (k + 0.5) / (POINTS * (m + 3))) for k in range(POINTS * (MOST_NODES + 3))]
+                      for m in range(MOST_NODES + 1)])  # on [0, 1], the first POINTS (m + 3) of row m
+LEAST_SEEN = math.cos(math.pi / POINTS)  # of the largest value of W p_K
 TESTED = 1.45  # abscissa of the places where the assumption is tested, relative to the outermost check's
 DOUBTED = 2.0  # times the tolerance: the error of a piece whose bound fails a test, as far as it decides where to end it
 FAST, SLOW = 0.1, 0.9  # range of the ratio of successive corrections
@@ -70,22 +75,22 @@ def _bound(scratch: Scratch, m: int) -> tuple[float, float]:
     misses = scratch.misses
     n = m + 3
     for k in range(n):
-        weight = weight_of(samples, m, samples[m + k, 0])
+        share = 1.0 / weight_of(samples, m, samples[m + k, 0])
         for c in range(3):
-            misses[k, c] /= weight
+            misses[k, c] *= share
     divide(samples, misses, m, n)
     largest = 0.0
     last = 0.0
     last_but_one = 0.0
     last_but_two = 0.0
-    for point in range(CHEBYSHEV.shape[0]):
-        t = CHEBYSHEV[point]
+    for point in range(POINTS * n):
+        t = CHEBYSHEV[m, point]
         basis = weight_of(samples, m, t)
         x = basis * misses[0, 0]
         y = basis * misses[0, 1]
         r = basis * misses[0, 2]
         if n == LEAST_CHECKS:
-            last_but_two = max(last_but_two, math.sqrt(x * x + y * y) + abs(r))
+            last_but_two = max(last_but_two, abs(x) + abs(y) + abs(r))
         for k in range(1, n, 2):
             basis *= t - samples[m + k - 1, 0]
             more = basis * (t - samples[m + k, 0])
@@ -96,19 +101,20 @@ def _bound(scratch: Scratch, m: int) -> tuple[float, float]:
             x += dx
             y += dy
             r += dr
+            size = abs(dx) + abs(dy) + abs(dr)
             if k == n - 2:
-                last = max(last, math.sqrt(dx * dx + dy * dy) + abs(dr))
+                last = max(last, size)
             elif k == n - 4:
-                last_but_one = max(last_but_one, math.sqrt(dx * dx + dy * dy) + abs(dr))
+                last_but_one = max(last_but_one, size)
             elif k == n - 6:
-                last_but_two = max(last_but_two, math.sqrt(dx * dx + dy * dy) + abs(dr))
+                last_but_two = max(last_but_two, size)
         largest = max(largest, math.sqrt(x * x + y * y) + abs(r))
     last_but_one = max(last_but_one, AXIS_ROUNDING)  # what is less says nothing
     last_but_two = max(last_but_two, AXIS_ROUNDING)
     q = min(max(last / last_but_one, math.sqrt(last / last_but_two), FAST), SLOW)
     last = max(last, FAST * last_but_one)
     rest = last * q / (1.0 - q)
-    return largest / math.cos(math.pi * (m + 3.0) / CHEBYSHEV.shape[0]) + rest, rest
+    return largest / LEAST_SEEN + rest, rest
 
 
 @inner
@@ -117,15 +123,14 @@ def _surprising(track: Track, scratch: Scratch, m: int, end: int, rest: float) -
 
     Assumes that `misses` are divided differences (`_bound`); writes to the spare row of samples and of `misses`.
     """
-    spare = 2 * m + 3
     wanted = TESTED * _fraction(m, 0)
-    sample_at(track, scratch, wanted if end == 0 else 1.0 - wanted, spare)
+    sample_at(track, scratch, wanted if end == 0 else 1.0 - wanted, SPARE)
     samples = scratch.samples
     misses = scratch.misses
-    t = samples[spare, 0]
+    t = samples[SPARE, 0]
     if not 0.0 < t < 1.0:
         return False
-    miss(scratch, spare, m, SPARE_MISS)
+    miss(scratch, SPARE, m, SPARE_MISS)
     basis = weight_of(samples, m, t)
     for k in range(m + 3):
         for c in range(3):
@@ -167,7 +172,7 @@ def _chase_end(track: Track, scratch: Scratch, m: int, end: int, row: int) -> No
             t_in = t
             s_in = samples[row, 4]
         s = s_in + (s_out - s_in) * (wanted - t_in) / (t_out - t_in)
-        sample(track, scratch, w, s, row)
+        sample_planned(track, scratch, w - first, s, row)
 
 
 @inner
@@ -182,11 +187,9 @@ def attempt(track: Track, scratch: Scratch, m: int, tolerance: float) -> float:
 
     With an infinite tolerance it is the bound of a piece that cannot be shorter, whatever the tests say.
 
-    Assumes that the plan is made and runs evenly. Infinite when there is no fit, or samples stand where they tell nothing.
+    Assumes that H is there, the plan is made and runs evenly. Infinite when samples stand where they tell nothing.
     """
     samples = scratch.samples
-    if not hermite_of(scratch.ends, scratch.hermite):
-        return math.inf
     for i in range(m):
         sample_at(track, scratch, _fraction(m, 2 * i + 1), i)
         if not samples[i, 0] - (samples[i - 1, 0] if i else 0.0) > MIN_GAP:
@@ -225,14 +228,14 @@ def attempt(track: Track, scratch: Scratch, m: int, tolerance: float) -> float:
 
 
 @inner
-def refuted(track: Track, scratch: Scratch, m: int, bound: float, spare: int) -> bool:
+def refuted(track: Track, scratch: Scratch, m: int, bound: float) -> bool:
     """Whether the fit misses a disc between the interval's strips by more than its bound."""
     samples = scratch.samples
     first = int(scratch.ends[0, I_ROW])
     for w in range(first, int(scratch.ends[1, I_ROW])):
-        samples[spare, 0] = scratch.steps[w + 1 - first, PLAN_T]
+        samples[SPARE, 0] = scratch.steps[w + 1 - first, PLAN_T]
         for c in range(3):
-            samples[spare, 1 + c] = track.disc[track.strip_i[w, 3], c]
-        if miss(scratch, spare, m, 0) > bound + AXIS_ROUNDING:
+            samples[SPARE, 1 + c] = track.disc[track.strip_i[w, 3], c]
+        if miss(scratch, SPARE, m, 0) > bound + AXIS_ROUNDING:
             return True
     return False

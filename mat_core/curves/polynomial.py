@@ -65,15 +65,24 @@ def _cubic(hermite: Floats, t: float, c: int) -> float:
 
 
 @inner
+def cubic_miss(scratch: Scratch, row: int) -> float:
+    """Norm of H - X at the sample in one row."""
+    samples = scratch.samples
+    x = _cubic(scratch.hermite, samples[row, 0], 0) - samples[row, 1]
+    y = _cubic(scratch.hermite, samples[row, 0], 1) - samples[row, 2]
+    return math.sqrt(x * x + y * y) + abs(_cubic(scratch.hermite, samples[row, 0], 2) - samples[row, 3])
+
+
+@inner
 def interpolate(scratch: Scratch, m: int) -> None:
     """Newton coefficients (m, 3) of g through the nodes."""
     samples = scratch.samples
     newton = scratch.newton
     for i in range(m):
         t = samples[i, 0]
-        weight = t * t * (1.0 - t) * (1.0 - t)
+        share = 1.0 / (t * t * (1.0 - t) * (1.0 - t))
         for c in range(3):
-            newton[i, c] = (samples[i, 1 + c] - _cubic(scratch.hermite, t, c)) / weight
+            newton[i, c] = (samples[i, 1 + c] - _cubic(scratch.hermite, t, c)) * share
     divide(samples, newton, 0, m)
 
 
@@ -82,9 +91,9 @@ def divide(samples: Floats, values: Floats, first: int, n: int) -> None:
     """Divided differences in place: values (n, 3) at the abscissae of the samples from row `first` on."""
     for level in range(1, n):
         for i in range(n - 1, level - 1, -1):
-            gap = samples[first + i, 0] - samples[first + i - level, 0]
+            share = 1.0 / (samples[first + i, 0] - samples[first + i - level, 0])
             for c in range(3):
-                values[i, c] = (values[i, c] - values[i - 1, c]) / gap
+                values[i, c] = (values[i, c] - values[i - 1, c]) * share
 
 
 @inner

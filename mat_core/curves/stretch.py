@@ -2,8 +2,8 @@
 
     P ----------o---x....o......... Q        o: discs between strips, exact, known beforehand; x: end of a piece
 
-1. A piece is tried to the farthest end that is in question. While its error is too large it is shortened to where its own error
-   says that it would do: it falls with the power of the degree plus one. Ends that were too far are kept for the next piece.
+1. A piece is tried to the farthest end that is in question, with as few nodes as will do (`trial`). While its error is too large
+   for the most nodes it is shortened to where its error says that it would do. Ends that were too far wait for the next piece.
 2. A piece that does, with an error that leaves room, is lengthened towards the end that was too far; the longest is taken.
 
 An end that would fall near a disc between strips is put there. Shortening ends at a chord that is short for the tolerance, at
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from mat_core.curves.bezier import LOST, straight, write_fit
 from mat_core.curves.conics import K_FREEFORM
 from mat_core.curves.ends import apart, copy_end, put_disc, put_sample
-from mat_core.curves.interval import DOUBTED, attempt, refuted
+from mat_core.curves.interval import attempt
 from mat_core.curves.pieces import (
     MAX_PIECES,
     NO_FIT,
@@ -36,23 +36,28 @@ from mat_core.curves.pieces import (
     lay_way,
     polygon_length,
 )
+from mat_core.curves.plan import sample_at
+from mat_core.curves.polynomial import hermite_of
+from mat_core.curves.trial import hope, try_piece
 from mat_core.curves.way import (
     I_ROW,
     I_S,
+    I_SJ,
     I_X,
     MAX_STRIPS,
     PLAN_S0,
     PLAN_S1,
     PLAN_T,
+    SPARE,
     WAITING,
     WAY_S0,
     WAY_S1,
     WAY_SITE,
     Scratch,
     Track,
-    plan,
+    partner_end,
+    place_partner,
     sample,
-    sample_at,
 )
 from mat_core.kernels.jit import inner
 
@@ -60,27 +65,15 @@ Floats = NDArray[np.float64]
 
 TINY = 1e-11  # a chord this short is not cut any more, nor is an interval this short relative to the whole strip
 SHORT = 0.25  # nor is a chord this short relative to the tolerance: drawn straight it is near enough
-PRUDENCE = 0.95  # of the length that an error lets one hope for: it is measured at one place only
 LEAST_CUT, MOST_CUT = 0.1, 0.9  # range of the share that a piece is shortened to
 BESIDE = 0.08  # of the wanted length, from a disc between strips: the piece ends there
 WORTH = 1.15  # times as long: what a longer piece must be hoped to be, to be tried
 TRIES = 2  # longer pieces tried
-MAX_GROWTH = 4.0  # times as long: what an error lets one hope for at most
 TOWARDS = 0.75  # most of the way to an end that was too far
 
 
 @inner
-def _hope(error: float, tolerance: float, m: int) -> float:
-    """How many times as long a piece could be; a half where its error says nothing."""
-    if not error < math.inf:
-        return 0.5
-    if error == 0.0:
-        return MAX_GROWTH
-    return min(PRUDENCE * (tolerance / error) ** (1.0 / (m + 4.0)), MAX_GROWTH)
-
-
-@inner
-def _shorten(track: Track, scratch: Scratch, tolerance: float, share: float, even: bool, spare: int, to: int) -> bool:
+def _shorten(track: Track, scratch: Scratch, tolerance: float, share: float, even: bool, to: int) -> bool:
     """Put an end at a share of the interval into row `to`; False when the interval is too short to be cut."""
     ends = scratch.ends
     steps = scratch.steps
@@ -101,8 +94,8 @@ def _shorten(track: Track, scratch: Scratch, tolerance: float, share: float, eve
             put_disc(track, first + cut - 1, 1, scratch.waiting, to)
             return True
     if even:
-        sample_at(track, scratch, share, spare)
-    s = scratch.samples[spare, 4]
+        sample_at(track, scratch, share, SPARE)
+    s = scratch.samples[SPARE, 4]
     s0 = steps[w - first, PLAN_S0]
     s1 = steps[w - first, PLAN_S1]
     inside = 0.0 < abs(s - s0) < abs(s1 - s0)
@@ -116,32 +109,34 @@ def _shorten(track: Track, scratch: Scratch, tolerance: float, share: float, eve
         return False
     if not abs(s1 - s0) > TINY * abs(track.way_f[w, WAY_S1] - track.way_f[w, WAY_S0]):
         return False
-    put_sample(track, w, scratch.samples, spare, scratch.waiting, to)
+    put_sample(track, scratch, w, SPARE, scratch.waiting, to)
     return True
 
 
 @inner
-def _lengthen(track: Track, scratch: Scratch, hope: float, spare: int, limit: int) -> bool:
+def _lengthen(track: Track, scratch: Scratch, growth: float, limit: int) -> bool:
     """Move the interval's end towards that in row `limit`, which is too far; False when there is no room."""
     ends = scratch.ends
     waiting = scratch.waiting
     length = apart(ends, 0, ends, 1)
     room = apart(waiting, limit, ends, 0) - length
-    wanted = min((hope - 1.0) * length, TOWARDS * room)
+    wanted = min((growth - 1.0) * length, TOWARDS * room)
     if not wanted >= (WORTH - 1.0) * length:
         return False
     w = int(ends[1, I_ROW])
     last = int(waiting[limit, I_ROW])
     s = ends[1, I_S]
+    sj = ends[1, I_SJ]
     if s == track.way_f[w, WAY_S1] and w < last:
         w += 1
         s = track.way_f[w, WAY_S0]
+        sj = partner_end(track, w, 0)
     if w == last:
         between = s + wanted / room * (waiting[limit, I_S] - s)
         if not 0.0 < abs(between - s) < abs(waiting[limit, I_S] - s):
             return False
-        sample(track, scratch, w, between, spare)
-        put_sample(track, w, scratch.samples, spare, ends, 1)
+        sample(track, scratch, w, between, sj + wanted / room * (waiting[limit, I_SJ] - sj), SPARE)
+        put_sample(track, scratch, w, SPARE, ends, 1)
         return True
     best = w
     off = math.inf
@@ -178,32 +173,18 @@ def _record(track: Track, scratch: Scratch, pieces: Pieces, m: int, error: float
 
 
 @inner
-def _try(track: Track, scratch: Scratch, m: int, tolerance: float) -> tuple[bool, float]:
-    """(whether the plan runs evenly, the bound within the tolerance or about the error) of a piece over the interval."""
-    spare = 2 * m + 3
-    if int(scratch.ends[1, I_ROW]) - int(scratch.ends[0, I_ROW]) >= MAX_STRIPS:
-        return False, math.inf
-    if not plan(track, scratch, spare):
-        return False, math.inf
-    error = attempt(track, scratch, m, tolerance)
-    if error <= tolerance and refuted(track, scratch, m, error, spare):
-        error = DOUBTED * tolerance
-    return True, error
-
-
-@inner
-def _shortest(track: Track, scratch: Scratch, m: int, tolerance: float, left: int) -> tuple[float, int]:
-    """Step 1: (bound or error of the first piece that does, or cannot be shorter, how many ends wait); its end is taken off."""
+def _shortest(track: Track, scratch: Scratch, tolerance: float, left: int) -> tuple[int, float, int]:
+    """Step 1: (nodes, bound or error of the first piece that does or cannot be shorter, how many ends wait less its own)."""
     while True:
         copy_end(scratch.waiting, left - 1, scratch.ends, 1)
-        even, error = _try(track, scratch, m, tolerance)
+        even, m, error = try_piece(track, scratch, tolerance)
         if error <= tolerance:
-            return error, left - 1
-        share = min(max(_hope(error, tolerance, m), LEAST_CUT), MOST_CUT)
-        if not _shorten(track, scratch, tolerance, share, even, 2 * m + 3, left):
-            if even:
+            return m, error, left - 1
+        share = min(max(hope(scratch, error, tolerance, m), LEAST_CUT), MOST_CUT)
+        if not _shorten(track, scratch, tolerance, share, even, left):
+            if even and hermite_of(scratch.ends, scratch.hermite):
                 error = attempt(track, scratch, m, math.inf)
-            return error, left - 1
+            return m, error, left - 1
         left += 1
 
 
@@ -215,11 +196,12 @@ def _next_start(track: Track, end: int, ends: Floats) -> None:
     if ends[0, I_S] == track.way_f[w, WAY_S1] and w < end - 1:
         ends[0, I_ROW] = w + 1
         ends[0, I_S] = track.way_f[w + 1, WAY_S0]
+        ends[0, I_SJ] = partner_end(track, w + 1, 0)
 
 
 @inner
 def free_stretch(
-    track: Track, scratch: Scratch, pieces: Pieces, begin: int, end: int, flip: int, tolerance: float, m: int,
+    track: Track, scratch: Scratch, pieces: Pieces, begin: int, end: int, flip: int, tolerance: float,
     count: int,
 ) -> int:
     """Pieces of the strips in rows begin .. end - 1, in order of travel; returns their new number or a status.
@@ -229,9 +211,9 @@ def free_stretch(
     for w in range(begin, end):
         side = choose_side(track, w)
         lay_way(track, w, 1 - side if flip else side)
+        place_partner(track, w)
     ends = scratch.ends
     waiting = scratch.waiting
-    spare = 2 * m + 3
     put_disc(track, begin, 0, ends, 0)
     put_disc(track, end - 1, 1, waiting, 0)
     left = int(np.int64(1))  # not a literal: each literal would be compiled for once more
@@ -246,11 +228,11 @@ def free_stretch(
         # nearer ends than the last piece is long were too far from its start, not from this one
         while left > 1 and apart(waiting, left - 1, ends, 0) < reach:
             left -= 1
-        error, left = _shortest(track, scratch, m, tolerance, left)
+        m, error, left = _shortest(track, scratch, tolerance, left)
         if error < math.inf:
             write_fit(scratch, m, pieces.cp, row)
         else:
-            error = straight(scratch, spare, m, pieces.cp, row)
+            error = straight(scratch, SPARE, m, pieces.cp, row)
         if not error <= max(tolerance, LOST):
             return NO_FIT
         _record(track, scratch, pieces, m, error, p)
@@ -259,9 +241,9 @@ def free_stretch(
         for _ in range(TRIES):
             if left == 0 or not error <= tolerance:
                 break
-            if not _lengthen(track, scratch, _hope(error, tolerance, m), spare, left - 1):
+            if not _lengthen(track, scratch, hope(scratch, error, tolerance, m), left - 1):
                 break
-            even, error = _try(track, scratch, m, tolerance)
+            even, m, error = try_piece(track, scratch, tolerance)
             if error <= tolerance:
                 write_fit(scratch, m, pieces.cp, row)
                 _record(track, scratch, pieces, m, error, p)

@@ -12,16 +12,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
-from mat_core.tracing.strip import trace
+from mat_core.tracing.partner import disc_beside
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# an end of an interval: s, x, y, r, tangent, row of the way. Rows of `ends`: start and end of the interval, the end of a piece
-# that will do; of `waiting`: ends that were too far
-I_S, I_X, I_TX, I_ROW = 0, 1, 4, 7
-END_ROWS, END_COLUMNS, WAITING = 3, 8, 128
+# an end of an interval: s, x, y, r, tangent, row of the way, partner's s. Rows of `ends`: start and end of the interval, the end
+# of a piece that will do; of `waiting`: ends that were too far
+I_S, I_X, I_TX, I_ROW, I_SJ = 0, 1, 4, 7, 8
+END_ROWS, END_COLUMNS, WAITING = 3, 9, 128
 
 # the way: where a strip is sampled. way_i: site of s, site of its partner; way_f: s at both ends, the partner's range
 WAY_SITE, WAY_PARTNER = range(2)
@@ -30,19 +31,20 @@ WAY_S0, WAY_S1, WAY_LO, WAY_HI = range(4)
 # samples: tau, x, y, r, s, partner's s
 SAMPLE_COLUMNS = 6
 
-# the plan of an interval, a row for each strip it passes: tau and s at its start, tau half way in s, s at its end
-PLAN_T, PLAN_HALF, PLAN_S0, PLAN_S1 = range(4)
+# the plan of an interval, a row for each strip it passes: tau and s at its start, tau half way in s, s at its end; the partner's
+# s at its start and end, and the share of its way half way in s
+PLAN_T, PLAN_HALF, PLAN_S0, PLAN_S1, PLAN_SJ0, PLAN_SJ1, PLAN_SJ_HALF = range(7)
+PLAN_COLUMNS = 7
 MAX_STRIPS = 12  # strips that one interval may pass
 
-MAX_DEGREE = 9  # of a polynomial
+MAX_DEGREE = 11  # of a polynomial
 ROWS = MAX_DEGREE + 1  # control points kept for a piece
 
-# rows of samples: 0 .. m - 1 nodes, from m on m + 1 checks, two more near the ends, one spare
-SAMPLE_ROWS = 2 * (MAX_DEGREE - 3) + 4
+# rows of samples: 0 .. m - 1 nodes, from m on m + 1 checks, two more near the ends; one spare
+MOST_NODES = MAX_DEGREE - 3
+SAMPLE_ROWS = 2 * MOST_NODES + 4
+SPARE = SAMPLE_ROWS - 1
 SPARE_MISS = MAX_DEGREE  # row of misses that is no check's
-
-LEAST_PART = 1e-11  # an interval's part in one of several strips that is shorter has no parameters of its own in a segment
-MIN_HALF = 0.02  # tau half way in s, from either end; a sample nearer says little about the other half
 
 
 class Track(NamedTuple):
@@ -57,6 +59,7 @@ class Track(NamedTuple):
     joined: NDArray[np.bool_]  # (W,) the strip goes on where the one before ends, along one analytic curve on either side
     way_i: Ints  # (W, 2) WAY_SITE, WAY_PARTNER
     way_f: Floats  # (W, 4) WAY_S0 .. WAY_HI
+    partner_ends: Floats  # (W, 4) x, y of the partner where its range begins and ends; of ways through strips that are fitted
 
 
 class Scratch(NamedTuple):
@@ -64,7 +67,8 @@ class Scratch(NamedTuple):
 
     ends: Floats  # (END_ROWS, END_COLUMNS)
     waiting: Floats  # (WAITING, END_COLUMNS)
-    steps: Floats  # (MAX_STRIPS, 4) the plan
+    chord: Floats  # (3,) from the interval's start to its end, divided by its squared length: tau is a product with it
+    steps: Floats  # (MAX_STRIPS, PLAN_COLUMNS) the plan
     samples: Floats  # (SAMPLE_ROWS, SAMPLE_COLUMNS)
     hermite: Floats  # (4, 3) Bernstein coefficients of the cubic H
     newton: Floats  # (MAX_DEGREE, 3) Newton coefficients of g
@@ -85,6 +89,7 @@ def new_track(si: Ints, sf: Floats, cp: Floats, disc: Floats, strips: int) -> Tr
         np.empty(strips, dtype=np.bool_),
         np.empty((strips, 2), dtype=np.int64),
         np.empty((strips, 4)),
+        np.empty((strips, 4)),
     )
 
 
@@ -93,7 +98,8 @@ def new_scratch() -> Scratch:
     return Scratch(
         np.empty((END_ROWS, END_COLUMNS)),
         np.empty((WAITING, END_COLUMNS)),
-        np.empty((MAX_STRIPS, 4)),
+        np.empty(3),
+        np.empty((MAX_STRIPS, PLAN_COLUMNS)),
         np.empty((SAMPLE_ROWS, SAMPLE_COLUMNS)),
         np.empty((4, 3)),
         np.empty((MAX_DEGREE, 3)),
@@ -104,86 +110,53 @@ def new_scratch() -> Scratch:
 
 
 @inner
-def along(ends: Floats, x: float, y: float, r: float) -> float:
-    """tau of a disc on the interval."""
-    ux = ends[1, I_X] - ends[0, I_X]
-    uy = ends[1, I_X + 1] - ends[0, I_X + 1]
-    ur = ends[1, I_X + 2] - ends[0, I_X + 2]
-    part = (x - ends[0, I_X]) * ux + (y - ends[0, I_X + 1]) * uy + (r - ends[0, I_X + 2]) * ur
-    return part / (ux * ux + uy * uy + ur * ur)
+def draw_chord(scratch: Scratch) -> None:
+    """Fill `chord` for the interval between both ends."""
+    ends = scratch.ends
+    chord = scratch.chord
+    dd = 0.0
+    for c in range(3):
+        chord[c] = ends[1, I_X + c] - ends[0, I_X + c]
+        dd += chord[c] * chord[c]
+    for c in range(3):
+        chord[c] /= dd
 
 
 @inner
-def sample(track: Track, scratch: Scratch, w: int, s: float, row: int) -> None:
-    """Row of `samples` for the true axis point with footpoint s in row w of the way."""
-    ends = scratch.ends
+def along(ends: Floats, chord: Floats, x: float, y: float, r: float) -> float:
+    """tau of a disc on the interval."""
+    return (x - ends[0, I_X]) * chord[0] + (y - ends[0, I_X + 1]) * chord[1] + (r - ends[0, I_X + 2]) * chord[2]
+
+
+@inner
+def partner_end(track: Track, w: int, end: int) -> float:
+    """The partner's s where the way starts (0) or ends (1) in row w: a right side is passed upwards, a left one downwards."""
+    upwards = track.way_i[w, WAY_PARTNER] == track.strip_i[w, 0]
+    return track.way_f[w, WAY_HI if upwards == (end == 1) else WAY_LO]
+
+
+@inner
+def place_partner(track: Track, w: int) -> None:
+    """Note where the partner's range begins and ends in row w of the way."""
+    for end in range(2):
+        s = track.way_f[w, WAY_HI if end else WAY_LO]
+        x, y, tx, ty, k, speed = evaluate(track.si, track.sf, track.cp, track.way_i[w, WAY_PARTNER], s, 0.0, 0.0)
+        track.partner_ends[w, 2 * end] = x
+        track.partner_ends[w, 2 * end + 1] = y
+
+
+@inner
+def sample(track: Track, scratch: Scratch, w: int, s: float, guess: float, row: int) -> None:
+    """Row of `samples` for the true axis point with footpoint s in row w of the way; the partner's s is near a guess."""
     samples = scratch.samples
     site = track.way_i[w, WAY_SITE]
     partner = track.way_i[w, WAY_PARTNER]
     lo = track.way_f[w, WAY_LO]
     hi = track.way_f[w, WAY_HI]
-    x, y, r, sj, dx, dy, dr = trace(track.si, track.sf, track.cp, site, s, partner, lo, hi)
-    samples[row, 0] = along(ends, x, y, r)
+    x, y, r, sj = disc_beside(track.si, track.sf, track.cp, site, s, partner, lo, hi, guess, track.partner_ends, w)
+    samples[row, 0] = along(scratch.ends, scratch.chord, x, y, r)
     samples[row, 1] = x
     samples[row, 2] = y
     samples[row, 3] = r
     samples[row, 4] = s
     samples[row, 5] = sj
-
-
-@inner
-def plan(track: Track, scratch: Scratch, spare: int) -> bool:
-    """Fill `steps`, where tau runs in each strip of the interval; False when it does not run evenly enough.
-
-    The last strip's sample half way in s stands in row `spare` in any case.
-    """
-    ends = scratch.ends
-    samples = scratch.samples
-    steps = scratch.steps
-    first = int(ends[0, I_ROW])
-    last = int(ends[1, I_ROW])
-    even = True
-    before = 0.0
-    length = 0.0
-    for c in range(I_X, I_X + 3):
-        length = max(length, abs(ends[1, c] - ends[0, c]))
-    least = LEAST_PART if last > first else 0.0
-    for w in range(first, last + 1):
-        s0 = ends[0, I_S] if w == first else track.way_f[w, WAY_S0]
-        s1 = ends[1, I_S] if w == last else track.way_f[w, WAY_S1]
-        after = 1.0
-        if w < last:
-            d = track.strip_i[w, 3]
-            after = along(ends, track.disc[d, 0], track.disc[d, 1], track.disc[d, 2])
-        sample(track, scratch, w, 0.5 * (s0 + s1), spare)
-        half = (samples[spare, 0] - before) / (after - before)
-        if not MIN_HALF < half < 1.0 - MIN_HALF or not (after - before) * length > least:
-            even = False
-        steps[w - first, PLAN_T] = before
-        steps[w - first, PLAN_HALF] = half
-        steps[w - first, PLAN_S0] = s0
-        steps[w - first, PLAN_S1] = s1
-        before = after
-    return even
-
-
-@inner
-def _share(f: float, half: float) -> float:
-    """Share of the way in s where tau is about f, when tau is `half` in the middle."""
-    return f * (1.0 - half) / (f * (1.0 - 2.0 * half) + half)
-
-
-@inner
-def sample_at(track: Track, scratch: Scratch, f: float, row: int) -> None:
-    """Row of `samples` near tau = f, where the plan puts it."""
-    ends = scratch.ends
-    steps = scratch.steps
-    first = int(ends[0, I_ROW])
-    strips = int(ends[1, I_ROW]) - first + 1
-    k = 0
-    while k < strips - 1 and f >= steps[k + 1, PLAN_T]:
-        k += 1
-    t0 = steps[k, PLAN_T]
-    t1 = steps[k + 1, PLAN_T] if k < strips - 1 else 1.0
-    s = steps[k, PLAN_S0] + _share((f - t0) / (t1 - t0), steps[k, PLAN_HALF]) * (steps[k, PLAN_S1] - steps[k, PLAN_S0])
-    sample(track, scratch, first + k, s, row)

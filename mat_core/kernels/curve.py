@@ -15,7 +15,7 @@ import math
 
 from numpy.typing import NDArray
 
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner, jit, pasted
 from mat_core.kernels.layout import (
     ARC,
     CP0,
@@ -51,6 +51,12 @@ Ints = NDArray  # (n, k) int64
 @jit
 def bezier_frame(cp, c0, deg, rational, s, ox, oy):
     """Position relative to (ox, oy), first and second derivative of the Bezier in rows c0 .. c0+deg of `cp`; deg >= 2."""
+    return pasted_frame(cp, c0, deg, rational, s, ox, oy)
+
+
+@pasted
+def pasted_frame(cp, c0, deg, rational, s, ox, oy):
+    """`bezier_frame` where a call would cost as much as what it does."""
     m = deg - 2
     t = 1.0 - s
     b0x = b0y = b0w = b1x = b1y = b1w = b2x = b2y = b2w = 0.0
@@ -97,18 +103,42 @@ def bezier_frame(cp, c0, deg, rational, s, ox, oy):
     return x, y, x1, y1, x2, y2
 
 
-@inner
+@pasted
 def site_frame(si, sf, cp, i, s, ox, oy):
     """`bezier_frame` of the Bezier of site i, relative to (ox, oy): from the end that is the origin, else from the nearer one."""
     c0 = si[i, CP0]
     deg = si[i, DEG]
     at_start = ox == sf[i, X0] and oy == sf[i, Y0]
     at_end = ox == sf[i, X1] and oy == sf[i, Y1]
+    rx = 0.0
+    ry = 0.0
     if at_start if at_start != at_end else s <= 0.5:
-        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, si[i, RATIONAL], s, 0.0, 0.0)
-        return x + ((sf[i, X0] - ox) + sf[i, X0_LOW]), y + ((sf[i, Y0] - oy) + sf[i, Y0_LOW]), x1, y1, x2, y2
-    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, si[i, RATIONAL], s, cp[c0 + deg, 0], cp[c0 + deg, 1])
-    return x + ((sf[i, X1] - ox) + sf[i, X1_LOW]), y + ((sf[i, Y1] - oy) + sf[i, Y1_LOW]), x1, y1, x2, y2
+        fx = (sf[i, X0] - ox) + sf[i, X0_LOW]
+        fy = (sf[i, Y0] - oy) + sf[i, Y0_LOW]
+    else:
+        rx = cp[c0 + deg, 0]
+        ry = cp[c0 + deg, 1]
+        fx = (sf[i, X1] - ox) + sf[i, X1_LOW]
+        fy = (sf[i, Y1] - oy) + sf[i, Y1_LOW]
+    x, y, x1, y1, x2, y2 = pasted_frame(cp, c0, deg, si[i, RATIONAL], s, rx, ry)
+    return x + fx, y + fy, x1, y1, x2, y2
+
+
+@pasted
+def evaluate_spiral(si, sf, cp, i, s, ox, oy):
+    """`evaluate` of a SPIRAL."""
+    x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, i, s, ox, oy)
+    speed = math.sqrt(x1 * x1 + y1 * y1)
+    if s <= 0.0:
+        return x, y, sf[i, TX0], sf[i, TY0], sf[i, K0], speed
+    if s >= 1.0:
+        return x, y, sf[i, TX1], sf[i, TY1], sf[i, K1], speed
+    if speed == 0.0:
+        near_start = s < 0.5
+        tx = sf[i, TX0] if near_start else sf[i, TX1]
+        ty = sf[i, TY0] if near_start else sf[i, TY1]
+        return x, y, tx, ty, sf[i, K0] if near_start else sf[i, K1], 0.0
+    return x, y, x1 / speed, y1 / speed, (x1 * y2 - y1 * x2) / (speed * speed * speed), speed
 
 
 @jit
@@ -153,18 +183,7 @@ def evaluate(si, sf, cp, i, s, ox, oy):
         x = (sf[i, X0] - ox) + sf[i, X0_LOW]
         y = (sf[i, Y0] - oy) + sf[i, Y0_LOW]
         return x, y, ca * tx - sa * ty, ca * ty + sa * tx, -math.inf, abs(sf[i, SWEEP])
-    x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, i, s, ox, oy)
-    speed = math.sqrt(x1 * x1 + y1 * y1)
-    if s <= 0.0:
-        return x, y, sf[i, TX0], sf[i, TY0], sf[i, K0], speed
-    if s >= 1.0:
-        return x, y, sf[i, TX1], sf[i, TY1], sf[i, K1], speed
-    if speed == 0.0:
-        near_start = s < 0.5
-        tx = sf[i, TX0] if near_start else sf[i, TX1]
-        ty = sf[i, TY0] if near_start else sf[i, TY1]
-        return x, y, tx, ty, sf[i, K0] if near_start else sf[i, K1], 0.0
-    return x, y, x1 / speed, y1 / speed, (x1 * y2 - y1 * x2) / (speed * speed * speed), speed
+    return evaluate_spiral(si, sf, cp, i, s, ox, oy)
 
 
 @inner

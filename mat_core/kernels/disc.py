@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.curve import evaluate, site_frame
+from mat_core.kernels.curve import evaluate, evaluate_spiral, site_frame
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import (
     ARC,
@@ -51,6 +51,7 @@ NEWTON_STEPS = 60
 CAP_STEPS = 48  # halvings of a piece until the turn of D is clear
 CONCENTRIC = 1e-14  # a disc this near to an arc's centre, relative to its radius, touches it anywhere
 FLAT = 1e-12  # relative difference of two values of phi that does not make an end of a site better than its inside
+SMALL = 0.5  # tan(psi) below which a few terms tell psi
 CANCELLED = 0.1  # below this share left over, a difference has lost a digit
 
 
@@ -153,16 +154,32 @@ def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
 
 
 @inner
-def _angle(dx, dy, tx, ty, k, nx, ny):
-    """(psi, W, |D|^2) at one point of the other site; for D = 0 the limit of psi (T' = -T) and W = 0."""
+def _turning(dx, dy, tx, ty, k):
+    """(W, |D|^2) at one point of the other site; W = 0 for D = 0."""
     dd = dx * dx + dy * dy
     if dd == 0.0:
-        return math.atan2(-(nx * tx + ny * ty), ny * tx - nx * ty), 0.0, 0.0
+        return 0.0, 0.0
+    return k * dd + 2.0 * (dy * tx - dx * ty), dd
+
+
+@inner
+def _angle(dx, dy, tx, ty, nx, ny):
+    """psi at one point of the other site; its limit (T' = -T) for D = 0."""
+    dd = dx * dx + dy * dy
+    if dd == 0.0:
+        return math.atan2(-(nx * tx + ny * ty), ny * tx - nx * ty)
     along = 2.0 * (dx * tx + dy * ty)
     ix = tx * dd - along * dx
     iy = ty * dd - along * dy
     # t = (ny, -nx)
-    return math.atan2(nx * ix + ny * iy, nx * iy - ny * ix), k * dd + 2.0 * (dy * tx - dx * ty), dd
+    return math.atan2(nx * ix + ny * iy, nx * iy - ny * ix)
+
+
+@inner
+def small_angle(q):
+    """atan(q), for a small q to as many digits as the steps of Newton's method need, and exactly zero where q is."""
+    qq = q * q
+    return q * (1.0 - qq * (1.0 / 3.0 - qq * (0.2 - qq / 7.0))) if qq < SMALL * SMALL else math.atan(q)
 
 
 @inner
@@ -186,7 +203,7 @@ def _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, b, bx, by, tbx
         if sense * (bx * tby - by * tbx) <= 0.0 or seen * sense >= 0.0:
             break
         m = 0.5 * (a + b)
-        x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, m, ox, oy)
+        x, y, tx, ty, k, speed = evaluate_spiral(si, sf, cp, j, m, ox, oy)
         x -= dpx
         y -= dpy
         if not a < m < b or x == 0.0 and y == 0.0:
@@ -212,20 +229,22 @@ def _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, b, bx, by, tbx
 @inner
 def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     """Sup of phi over [lo, hi] of a piece of monotone curvature, and where."""
-    x, y, tax, tay, k, speed = evaluate(si, sf, cp, j, lo, ox, oy)
+    x, y, tax, tay, k, speed = evaluate_spiral(si, sf, cp, j, lo, ox, oy)
     ax = x - dpx
     ay = y - dpy
-    pa, wa, da = _angle(ax, ay, tax, tay, k, nx, ny)
+    wa, da = _turning(ax, ay, tax, tay, k)
     best = through_point(ax, ay, nx, ny)
-    x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, hi, ox, oy)
+    x, y, tx, ty, k, speed = evaluate_spiral(si, sf, cp, j, hi, ox, oy)
     bx = x - dpx
     by = y - dpy
-    pb, wb, db = _angle(bx, by, tx, ty, k, nx, ny)
+    wb, db = _turning(bx, by, tx, ty, k)
     at_hi = through_point(bx, by, nx, ny)
     s_best = lo
     if at_hi > best:
         best = at_hi
         s_best = hi
+    x0 = ax
+    y0 = ay
     if da == 0.0:
         wa = wb
         ax = tax
@@ -238,6 +257,7 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
         return best, s_best
 
     # 1. a bracket [a, b] in which psi falls through a multiple of a full turn, `goal`, where W < 0; psi counted from lo on
+    pa = _angle(x0, y0, tax, tay, nx, ny)
     pb = pa + _fallen(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, hi, bx, by, tx, ty)
     turn = 2.0 * math.pi
     if wa < 0.0:  # psi falls from pa, perhaps rises again later
@@ -258,7 +278,7 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
         m = 0.5 * (a + b)
         if not a < m < b:
             break
-        x, y, tx, ty, k, speed = evaluate(si, sf, cp, j, m, ox, oy)
+        x, y, tx, ty, k, speed = evaluate_spiral(si, sf, cp, j, m, ox, oy)
         dx = x - dpx
         dy = y - dpy
         dd = dx * dx + dy * dy
@@ -294,7 +314,9 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
         along = 2.0 * (dx * x1 + dy * y1)
         ix = x1 * dd - along * dx
         iy = y1 * dd - along * dy
-        psi = math.atan2(nx * ix + ny * iy, nx * iy - ny * ix)
+        facing = nx * iy - ny * ix
+        psi = nx * ix + ny * iy
+        psi = small_angle(psi / facing) if abs(psi) < SMALL * facing else math.atan2(psi, facing)
         slope = (x1 * y2 - y1 * x2) / ss + 2.0 * (dy * x1 - dx * y1) / dd
         # where psi rises, the root lies on the other side of it, however small psi is there
         if (psi > 0.0) if slope < 0.0 else wa >= 0.0:

@@ -110,10 +110,15 @@ def inner(function: F) -> F:
     return _compiled(function, False)
 
 
-def _compiled(function: F, entry: bool) -> F:
+def pasted(function: F) -> F:
+    """The same as `inner`, for the few that are called so often that a call costs as much as they do: a copy in each caller."""
+    return _compiled(function, False, True)
+
+
+def _compiled(function: F, entry: bool, forceinline: bool = False) -> F:
     compiled: Any = numba.njit(
         error_model="numpy", nogil=True, _nrt=False, no_cpython_wrapper=not entry, no_cfunc_wrapper=True,
-        pipeline_class=KernelCompiler,
+        pipeline_class=KernelCompiler, forceinline=forceinline,
     )(function)  # fmt: skip
     if not config.DISABLE_JIT:
         if entry:
