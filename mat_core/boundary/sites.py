@@ -1,7 +1,8 @@
 """The flat site table: what a maximal disc may touch, in loop order, interior on the left, in normalised coordinates.
 
-Steps: 1. edges to Beziers (knot insertion), translated to the centre of the bounding box and scaled by a power of two (exact),
-reversed where the loop runs the wrong way; 2. Beziers to pieces of monotone curvature; 3. pieces and normal fans to sites.
+Steps: 1. edges translated to the centre of the bounding box and scaled by a power of two (exact), then to Beziers (knot
+insertion), reversed where the loop runs the wrong way; 2. Beziers to pieces of monotone curvature; 3. pieces and normal fans to
+sites.
 """
 
 from __future__ import annotations
@@ -115,7 +116,7 @@ class SiteTable(NamedTuple):
 
 @jit
 def _collect_beziers(
-    degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding,
+    degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, rounding,
     span_cp, breaks, bez_i, bez_u, cp, bez_loop_start,
 ):
     """Step 1: fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub, skew), cp; returns (Beziers, rows of cp)."""
@@ -139,8 +140,8 @@ def _collect_beziers(
                 extent = 0.0
                 for i in range(d + 1):
                     source = row + (d - i if flip else i)
-                    cp[used + i, 0] = (span_cp[source, 0] - ox) * scale
-                    cp[used + i, 1] = (span_cp[source, 1] - oy) * scale
+                    cp[used + i, 0] = span_cp[source, 0]
+                    cp[used + i, 1] = span_cp[source, 1]
                     cp[used + i, 2] = span_cp[source, 2] / span_cp[row, 2]
                     if cp[used + i, 2] != 1.0:
                         rational = 1
@@ -436,11 +437,14 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     bez_i = np.empty((n_spans, 5), dtype=np.int64)
     bez_u = np.empty((n_spans, 3))
     bez_loop_start = np.empty(len(a.loop_start), dtype=np.int64)
+    moved = a.cp.copy()  # before knots are inserted: far from the origin a new point would be rounded as coarsely as they are
+    moved[:, :2] -= origin
+    moved[:, :2] *= scale
     span_cp = np.empty((most, 3))
     breaks = np.empty(int(np.max(np.diff(a.cp_start))) + 2)
     n_bez, used = _collect_beziers(
-        a.degree, a.cp_start, a.cp, a.knot_start, a.knots, a.loop_start, a.reversed, origin[0], origin[1], scale,
-        4.0 * rounding, span_cp, breaks, bez_i, bez_u, cp, bez_loop_start)
+        a.degree, a.cp_start, moved, a.knot_start, a.knots, a.loop_start, a.reversed, 4.0 * rounding, span_cp, breaks,
+        bez_i, bez_u, cp, bez_loop_start)
 
     width = scratch_width(int(a.degree.max()))
     table = np.empty((SCRATCH_ROWS, width))
