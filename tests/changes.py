@@ -3,7 +3,11 @@
 Each change gives two domains and the way back from the second to the first. Most begin with the domain as it is: a turn or a
 unit rounds its coordinates by some 1e-16 of its size, which moves no node by 1e-9 of it. A shift by a million sizes would
 round them by 1e-10, which is another domain, and a branch point between nearly parallel walls magnifies that by the inverse of
-their angle. So `far` begins with the coordinates on a grid that the shift leaves exact, and the same is asked of it as of all.
+their angle. So `far` begins with coordinates on a grid that the shift leaves exact, and the same is asked of it as of all.
+
+What is an arc or a straight joint but for the rounding of its coordinates is taken for one, and far from the origin that
+rounding is coarse: there a circle on the grid is a circle, while the same points near the origin are twelve arcs with branches
+of 1e-10 between them. Where these differ, the axis has to be that of the domain before it was put on the grid.
 """
 
 from __future__ import annotations
@@ -24,42 +28,46 @@ FAR = 1e6  # in sizes of the domain, at least
 
 
 class Changed(NamedTuple):
-    """A domain before and after; `back` takes points from there to here, `scale` is what lengths were multiplied by."""
+    """A domain after a change, and before it: the axis is that of the first of these, or else of the next.
 
-    before: Json
+    `back` takes points from after to before, `scale` is what lengths were multiplied by.
+    """
+
+    before: tuple[Json, ...]
     after: Json
     back: Callable[[Floats], Floats]
     scale: float = 1.0
 
 
 def _same_place(domain: Json, change: Callable[[Json], Json]) -> Changed:
-    return Changed(domain, change(domain), lambda p: p)
+    return Changed((domain,), change(domain), lambda p: p)
 
 
 def _turned(domain: Json, angle: float) -> Changed:
     c, s = math.cos(angle), math.sin(angle)
-    return Changed(domain, rotated(domain, angle), lambda p: p @ np.array([[c, -s], [s, c]]))
+    return Changed((domain,), rotated(domain, angle), lambda p: p @ np.array([[c, -s], [s, c]]))
 
 
 def _mirrored(domain: Json) -> Changed:
-    return Changed(domain, mirrored(domain), lambda p: p * np.array([-1.0, 1.0]))
+    return Changed((domain,), mirrored(domain), lambda p: p * np.array([-1.0, 1.0]))
 
 
 def _in_unit(domain: Json, factor: float) -> Changed:
-    return Changed(domain, scaled(domain, factor), lambda p: p / factor, factor)
+    return Changed((domain,), scaled(domain, factor), lambda p: p / factor, factor)
 
 
 def _shifted(domain: Json, by: tuple[float, float]) -> Changed:
-    return Changed(domain, shifted(domain, *by), lambda p: p - np.array(by))
+    return Changed((domain,), shifted(domain, *by), lambda p: p - np.array(by))
 
 
 def _far(domain: Json) -> Changed:
-    """Moved by a million sizes; all of its coordinates are multiples of the last digit that is left there."""
+    """Moved a million sizes away; all of its coordinates are multiples of the last digit that is left there."""
     points = np.array([p for e in domain["outer"] for p in e["control_points"]])
-    unit = 2.0 ** math.ceil(math.log2(np.abs(points).max() + np.ptp(points, axis=0).max()))
+    unit = 2.0 ** math.ceil(math.log2(np.ptp(points, axis=0).max()))
     grid = unit * 2.0 ** (math.ceil(math.log2(FAR + 1.0)) - 52)
+    x, y = np.round(points[0] / grid) * grid
     on_grid = mapped(domain, lambda p: np.round(p / grid) * grid)
-    return _shifted(on_grid, (FAR * unit, -FAR * unit))
+    return _shifted(on_grid, (FAR * unit - x, -FAR * unit - y))._replace(before=(on_grid, domain))
 
 
 CHANGES: dict[str, Callable[[Json], Changed]] = {

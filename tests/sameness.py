@@ -16,8 +16,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from tests.assertions import EXACT, Answer, is_exact, piece_kinds
-from tests.reference import CurveSet, Floats, Ints
+from tests.assertions import EXACT, Answer, is_exact
+from tests.reference import Floats, Ints
 
 Json = dict[str, Any]
 Place = tuple[int, int]
@@ -122,23 +122,32 @@ def gathered(discs: Floats, accuracy: float) -> Ints:
 
 
 def segments_between(answer: Answer, places: Ints, accuracy: float) -> dict[Place, list[tuple[float, tuple[str, ...]]]]:
-    """(length, kinds) of the segments between two places; those without a node are between -1 and -1."""
+    """(length, kinds) of the segments between two places; those without a node are between -1 and -1.
+
+    Segments within a place are left out, and so are kinds that make up no more of a segment than the accuracy.
+    """
     found: dict[Place, list[tuple[float, tuple[str, ...]]]] = defaultdict(list)
-    if not answer.segments:
-        return found
-    for segment, length in zip(answer.segments, lengths(answer.axis, len(answer.segments)), strict=True):
+    for segment, by_kind in zip(answer.segments, lengths_by_kind(answer), strict=True):
         nodes = segment["start_node"], segment["end_node"]
         start, end = sorted(-1 if n is None else int(places[answer.index[n]]) for n in nodes)
+        length = sum(by_kind.values())
         if start != end or length > len(places) * accuracy:
-            found[start, end].append((float(length), tuple(sorted(piece_kinds(segment)))))
+            found[start, end].append((length, tuple(sorted(kind for kind in by_kind if by_kind[kind] > accuracy))))
     return found
 
 
-def lengths(curves: CurveSet, count: int) -> Floats:
-    """Length of each of so many curves in the plane of their first two coordinates."""
-    cells = np.arange(len(curves.owner))
-    total = np.zeros(count)
+def lengths_by_kind(answer: Answer) -> list[dict[str, float]]:
+    """How long a segment is, in the plane, on pieces of each kind."""
+    found: list[dict[str, float]] = [defaultdict(float) for _ in answer.segments]
+    if not answer.segments:
+        return found
+    axis = answer.axis
+    cells, length = np.arange(len(axis.owner)), np.zeros(len(axis.owner))
     for node, weight in zip(*GAUSS, strict=True):
-        speed = curves.evaluate(cells, np.full(len(cells), 0.5 + 0.5 * node))[1][:, :2]
-        np.add.at(total, curves.owner, 0.5 * weight * np.linalg.norm(speed, axis=1))
-    return total
+        speed = axis.evaluate(cells, np.full(len(cells), 0.5 + 0.5 * node))[1][:, :2]
+        length += 0.5 * weight * np.linalg.norm(speed, axis=1)
+    for owner, middle, part in zip(axis.owner, 0.5 * (axis.u0 + axis.u1), length, strict=True):
+        segment = answer.segments[owner]
+        kind = next((p["kind"] for p in segment.get("pieces", []) if middle <= p["t"][1]), segment["kind"])
+        found[owner][kind] += float(part)
+    return found
