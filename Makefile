@@ -5,7 +5,7 @@ PORT ?= 8000
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help run test hunt offsets load lint types imports openapi paper docs lock bench bench-peers clean dev
+.PHONY: help run test hunt invariance offsets load lint types imports openapi paper docs lock bench bench-peers clean dev
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 20
@@ -26,6 +26,9 @@ hunt: dev ## look for domains that are not solved: ARGS="--count 500 --fonts FOL
 
 offsets: dev ## offsets of many shapes against shapely's buffer: ARGS="--fonts FOLDER --icons FOLDER --outward"
 	@$(BIN)/python -m tests.offsets $(ARGS)
+
+invariance: dev ## look for shapes whose axis depends on their place, unit or description: ARGS="--count 50"
+	@$(BIN)/python -W ignore::RuntimeWarning -m tests.hunt.invariance $(ARGS)
 
 load: dev ## load and faults on the service, and whether it keeps its promises: ARGS="--only calm faults"
 	@$(BIN)/python -m tests.load $(ARGS)

@@ -493,23 +493,3 @@ def assert_truth(domain: Json, answer: Json, accuracy: float = EXACT) -> None:
     if parsed.segments:
         off = np.minimum(off, parsed.axis.nearest(known)[0])
     assert off.max() <= accuracy + 10 * reference.floor, f"a known disc is {off.max():.2e} off"
-
-
-def assert_same_axis(a: Answer, b: Answer, accuracy: float, tolerance: float = 1e-6) -> None:
-    """Two answers in the same normalised frame: the same nodes within `accuracy`, the same curves within `tolerance`.
-
-    Nodes are matched as sets of discs both ways: where an exact tie is broken by rounding, one node may have become
-    several that are nearer to each other than `accuracy`.
-    """
-    for one, other in ((a, b), (b, a)):
-        if len(one.node_disc):
-            gaps = np.linalg.norm(one.node_disc[:, None] - other.node_disc[None], axis=2).min(axis=1, initial=np.inf)
-            assert gaps.max() <= accuracy, f"a node is {gaps.max():.2e} off, at {one.node_disc[int(gaps.argmax())]}"
-        if one.segments:
-            assert other.segments
-            gaps = other.axis.nearest(one.samples(5)[1])[0]
-            freeform = not all(is_exact(s) for s in [*one.segments, *other.segments])
-            limit = accuracy + (2 * tolerance if freeform else 0.0)
-            assert gaps.max() <= limit, f"a point of the axis is {gaps.max():.2e} off"
-    assert sum(d == 1 for d in a.degree.values()) == sum(d == 1 for d in b.degree.values()), "other leaves"
-    assert a.graph["cycles"] == b.graph["cycles"], "other cycles"

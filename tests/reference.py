@@ -421,14 +421,16 @@ class Reference:
     def turns(self) -> Floats:
         """(cells,) angle from each cell to its follower, radians, left positive; what rounding makes of tiny cells is none.
 
-        Between knots a curve turns at once only where it stands still, and then right back.
+        Between knots, and at those of less than full multiplicity, a curve turns at once only where it stands still, right back.
         """
         t0, t1 = self.ends
         before, after = t1, t0[self.follow]
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         turn: Floats = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
         knots = [full_knots(e) for loop in self.loops for e in loop]
-        between = np.array([u not in knots[o] for o, u in zip(self.boundary.owner, self.boundary.u1, strict=True)])
+        degrees = [e["degree"] for loop in self.loops for e in loop]
+        where = zip(self.boundary.owner, self.boundary.u1, strict=True)
+        between = np.array([np.count_nonzero(knots[o] == u) < degrees[o] for o, u in where])
         turn[between & (np.abs(turn) < 1.0)] = 0.0
         return turn
 

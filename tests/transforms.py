@@ -97,6 +97,28 @@ def elevated(edge: Edge) -> Edge:
     )
 
 
+def reweighted(edge: Edge, ratio: float = 0.7) -> Edge:
+    """The same curve run at another pace: weights in a geometric series for a Bezier, all of them larger otherwise."""
+    h = to_homogeneous(edge)
+    bezier = len(h) == edge["degree"] + 1
+    factors = ratio ** np.arange(len(h)) if bezier else np.full(len(h), 1.0 / ratio)
+    return {**edge, "weights": (h[:, 2] * factors).tolist()}
+
+
+def united(loop: list[Edge]) -> list[Edge]:
+    """The loop as one edge of its highest degree, its joints at knots of full multiplicity."""
+    degree, rational = max(e["degree"] for e in loop), any("weights" in e for e in loop)
+    knots, rows = [0.0] * (degree + 1), np.empty((0, 3))
+    for edge in loop:
+        while edge["degree"] < degree:
+            edge = elevated(edge)
+        h, own = to_homogeneous(edge), knots_of(edge)
+        own = own - own[0] + knots[-1]
+        knots += [*own[degree + 1 : -degree - 1].tolist(), *[float(own[-1])] * degree]
+        rows = np.vstack([rows, h[1:] * (rows[-1, 2] / h[0, 2])]) if len(rows) else h
+    return [to_edge(degree, np.array([*knots, knots[-1]]), rows, rational)]
+
+
 def backwards(edge: Edge) -> Edge:
     """The same curve run the other way."""
     knots = knots_of(edge)
@@ -201,12 +223,24 @@ def holes_turned(domain: Json) -> Json:
     return {**domain, "holes": holes[1:] + holes[:1]}
 
 
+def repaced(domain: Json) -> Json:
+    """Every edge with other weights, and another speed along it."""
+    return each_edge(domain, lambda e: [reweighted(e)])
+
+
+def single_edges(domain: Json) -> Json:
+    """Every loop as one edge."""
+    return each_loop(domain, united)
+
+
 SAME_PLACE: dict[str, Callable[[Json], Json]] = {
     "reversed": reversed_loops,
     "restarted": restarted,
     "divided": divided,
     "refined": refined,
     "raised": raised,
+    "repaced": repaced,
+    "single_edges": single_edges,
     "holes_turned": holes_turned,
 }
 

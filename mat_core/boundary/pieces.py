@@ -38,12 +38,16 @@ SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
 
 @inner
 def total_turning(cp, c0, deg, rational, begin, end):
-    """Sum of the absolute turns of the tangent between nine parameters (pieces here have at most one inflection)."""
+    """Sum of the absolute turns of the tangent between nine parameters (pieces here have at most one inflection).
+
+    Seen from the nearer end, where a rational curve that stands still has no speed left over by rounding, and so no direction.
+    """
     total = 0.0
     px = py = 0.0
     for step in range(9):
         s = begin + 0.125 * step * (end - begin)
-        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, 0.0, 0.0)
+        near = c0 if s <= 0.5 else c0 + deg
+        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[near, 0], cp[near, 1])
         if x1 == 0.0 and y1 == 0.0:
             continue
         if px != 0.0 or py != 0.0:

@@ -1,7 +1,8 @@
 """The flat site table: what a maximal disc may touch, in loop order, interior on the left, in normalised coordinates.
 
-Steps: 1. edges to Beziers (knot insertion), translated to the centre of the bounding box and scaled by a power of two (exact),
-reversed where the loop runs the wrong way; 2. Beziers to pieces of monotone curvature; 3. pieces and normal fans to sites.
+Steps: 1. edges translated to the centre of the bounding box and scaled by a power of two (exact), then to Beziers (knot
+insertion), reversed where the loop runs the wrong way; 2. Beziers to pieces of monotone curvature; 3. pieces and normal fans to
+sites.
 """
 
 from __future__ import annotations
@@ -131,20 +132,25 @@ def _count_beziers(degree, cp_start):
 
 @jit
 def _cut_edges(
-    degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding, span_cp, breaks, bez_i,
-    bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds, roots,
+    degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding, moved, span_cp, breaks,
+    bez_i, bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds, roots,
 ):
     """Steps 1 and 2; returns (pieces, rows of cp), pieces = -1 if a buffer is too small."""
+    # before knots are inserted: far from the origin a new point would be rounded as coarsely as those are
+    for row in range(control.shape[0]):
+        moved[row, 0] = (control[row, 0] - ox) * scale
+        moved[row, 1] = (control[row, 1] - oy) * scale
+        moved[row, 2] = control[row, 2]
     noise = 4.0 * rounding
-    used = _collect_beziers(degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, noise,
-                            span_cp, breaks, bez_i, bez_u, cp, bez_loop_start)
+    used = _collect_beziers(degree, cp_start, moved, knot_start, knots, edge_loop_start, backwards, noise, span_cp, breaks, bez_i,
+                            bez_u, cp, bez_loop_start)
     return cut_beziers(bez_i, bez_u, bez_loop_start, cp, used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
                        bounds, roots)
 
 
 @inner
 def _collect_beziers(
-    degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding,
+    degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, rounding,
     span_cp, breaks, bez_i, bez_u, cp, bez_loop_start,
 ):
     """Step 1: fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub, skew), cp; returns the rows of cp."""
@@ -168,8 +174,8 @@ def _collect_beziers(
                 extent = 0.0
                 for i in range(d + 1):
                     source = row + (d - i if flip else i)
-                    cp[used + i, 0] = (span_cp[source, 0] - ox) * scale
-                    cp[used + i, 1] = (span_cp[source, 1] - oy) * scale
+                    cp[used + i, 0] = span_cp[source, 0]
+                    cp[used + i, 1] = span_cp[source, 1]
                     cp[used + i, 2] = span_cp[source, 2] / span_cp[row, 2]
                     if cp[used + i, 2] != 1.0:
                         rational = 1
@@ -461,7 +467,7 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     loops = len(a.loop_start)
     beziers, points, most_of_edge, longest, highest = _count_beziers(a.degree, a.cp_start)
     width = scratch_width(highest)
-    span_cp, breaks = np.empty((most_of_edge, 3)), np.empty(longest + 2)
+    moved, span_cp, breaks = np.empty_like(a.cp), np.empty((most_of_edge, 3)), np.empty(longest + 2)
     bez_i, bez_u, bez_loop_start = np.empty((beziers, 5), dtype=np.int64), np.empty((beziers, 3)), np.empty(loops, dtype=np.int64)
     table, work = np.empty((SCRATCH_ROWS, width)), np.empty((MAX_DEPTH + 2, width))
     bounds, roots = np.empty((MAX_DEPTH + 2, 2)), np.empty(width)
@@ -473,7 +479,8 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
         pieces_i, pieces_f = np.empty((beziers * room + 16, PI_WIDTH), dtype=np.int64), np.empty((beziers * room + 16, PF_WIDTH))
         n_pieces, rows = _cut_edges(
             a.degree, a.cp_start, a.cp, a.knot_start, a.knots, a.loop_start, a.reversed, origin[0], origin[1], scale, rounding,
-            span_cp, breaks, bez_i, bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds, roots)
+            moved, span_cp, breaks, bez_i, bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds,
+            roots)
     si, sf = np.empty((2 * n_pieces, SI_WIDTH), dtype=np.int64), np.empty((2 * n_pieces, SF_WIDTH))
     turns, loop_start = np.empty(n_pieces), np.empty(loops, dtype=np.int64)
     bent_back = min(smooth_angle, max(BENT_BACK, KINK * rounding))

@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.boundary.sites import SiteTable
-from mat_core.certificate.coverage import check_boundary, check_coverage, check_edges, check_whole, list_owned
+from mat_core.certificate.coverage import check_boundary, check_coverage, check_whole, list_owned
 from mat_core.certificate.discs import check_disc, check_touching
+from mat_core.certificate.edges import check_edges
 from mat_core.certificate.inputs import (
     NOTHING,
     Boundary,

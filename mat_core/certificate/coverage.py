@@ -14,14 +14,12 @@ from __future__ import annotations
 import math
 
 from mat_core.certificate.report import BOUNDARY, COVERAGE, NEIGHBOURS, TURNING, WHOLE_ARCS, fault, made, worst
-from mat_core.kernels.curve import edge_parameter, evaluate
+from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
-from mat_core.kernels.judge_spline import spline_value
 from mat_core.kernels.layout import (
     ARC,
     CONVEX_VERTEX,
     CORNER,
-    EDGE,
     FAN,
     K0,
     K1,
@@ -45,7 +43,6 @@ from mat_core.kernels.layout import (
 from mat_core.kernels.sorting import sort
 
 NEARLY_SMOOTH = 0.1  # a joint without a vertex turns by less than this
-ON_PIECE = 0.47  # where a piece is compared with the input's edge
 
 
 @inner
@@ -173,26 +170,6 @@ def check_boundary(t, turn, figures):
             if turn[i] > NEARLY_SMOOTH:
                 worst(figures, TURNING, turn[i], x, y)
         worst(figures, TURNING, abs(total), sf[first, X0], sf[first, Y0])
-
-
-@inner
-def check_edges(t, e, ox, oy, scale, work, figures):
-    """Every piece lies on the input's edge that it names, at the parameter that it names; work: (d + 1, 3) or more."""
-    loops = e.loop_start.shape[0] - 1
-    for i in range(t.si.shape[0]):
-        if t.si[i, KIND] == FAN:
-            continue
-        x, y, tx, ty, curvature, speed = evaluate(t.si, t.sf, t.cp, i, ON_PIECE, 0.0, 0.0)
-        loop = t.si[i, LOOP]
-        edge = t.si[i, EDGE]
-        if not (0 <= loop < loops and 0 <= edge < e.loop_start[loop + 1] - e.loop_start[loop]):
-            worst(figures, BOUNDARY, math.inf, x, y)
-            continue
-        u = edge_parameter(t.si, t.sf, t.cp, i, ON_PIECE)
-        spline_value(e.degree, e.knot_start, e.knots, e.cp_start, e.cp, 2, e.loop_start[loop] + edge, u, work)
-        dx = (work[0, 0] - ox) * scale - x
-        dy = (work[0, 1] - oy) * scale - y
-        worst(figures, BOUNDARY, math.sqrt(dx * dx + dy * dy), x, y)
 
 
 @inner

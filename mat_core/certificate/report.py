@@ -31,7 +31,9 @@ class Check(NamedTuple):
 CHECKS = {
     "references": Check(COUNT, 0.0, "indices and parameters that point to nothing"),
     "boundary": Check(
-        LENGTH, 1e-9, "largest gap between neighbouring boundary pieces, or between a piece and the input's edge"
+        LENGTH,
+        1e-9,
+        "largest gap between neighbouring boundary pieces, or, beyond the rounding of its parameter, between one and its edge",
     ),
     "turning": Check(ANGLE, 1e-5, "largest difference of a loop's total turning from a full turn"),
     "coverage": Check(LENGTH, 1e-9, "largest part of the boundary that belongs to no strip, or to two"),

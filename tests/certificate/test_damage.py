@@ -10,7 +10,7 @@ import pytest
 
 from mat_core.certificate.inputs import BRANCH, CURVATURE, VERTEX
 from mat_core.certificate.report import CHECKS
-from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, KIND, SPIRAL, TX0, TY0, X1
+from mat_core.kernels.layout import CONVEX_VERTEX, CORNER, KIND, SPIRAL, TX0, TY0, UA, X1
 from tests.certificate.accused import (
     SHAPES,
     Accused,
@@ -200,6 +200,12 @@ def axis_of_another_domain(a: Accused) -> Accused:
 @caught_by("boundary", "rectangle", "blob")
 def boundary_with_a_gap(a: Accused) -> Accused:
     return a._replace(table=a.table._replace(sf=moved(a.table.sf, (0, X1), 1e-6)))
+
+
+@caught_by("boundary", "blob", "letter")
+def piece_named_at_another_parameter(a: Accused) -> Accused:
+    i = int(np.flatnonzero(a.table.si[:, KIND] == SPIRAL)[0])
+    return a._replace(table=a.table._replace(sf=moved(a.table.sf, (i, UA), 1e-7)))
 
 
 @caught_by("turning", "rectangle", "blob", "letter")

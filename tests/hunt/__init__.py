@@ -19,6 +19,7 @@ holes; a share of them (--oracle) is compared with the slow oracle of `tests.ass
 A failure is made smaller while it fails in the same way, and written to out/hunt as a line for tests/corpus/regressions.jsonl.gz.
 out/hunt/journal.jsonl has the outcome of every domain; --resume skips what is in it. The exit code is 1 when anything failed.
 
-`draw` and `noise` make the domains, `outlines` (with `paths` and `nesting`) reads them; `judge` solves one, `team` does so in
-processes, `run` leads, `reduce` makes smaller, `journal` remembers, `report` tells.
+`draw` (with `noise`, `trades` and `curves`) makes the domains, `outlines` reads them; `judge` solves one, `team` does so in
+processes, `run` leads, `reduce` makes smaller, `journal` remembers, `report` tells. `invariance` is another hunt: for shapes
+whose axis depends on how they are placed and described.
 """

@@ -22,26 +22,38 @@ def pair(text: str) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def arguments(given: list[str] | None = None) -> argparse.Namespace:
-    """What was asked for."""
-    p = argparse.ArgumentParser(prog="python -m tests.hunt", description="Look for domains that are not solved.")
-    p.add_argument("--only", nargs="+", metavar="FAMILY", help="generated families, patterns allowed; default: all, "
-                   "or none where fonts, icons or lines are given")  # fmt: skip
-    p.add_argument("--count", type=int, default=100, help="domains per family, glyphs per font, icons per folder (0: all)")
+def add_shapes(p: argparse.ArgumentParser, count: int) -> None:
+    """Arguments that say which domains."""
+    p.add_argument("--only", nargs="+", metavar="FAMILY", help="generated families, patterns allowed")
+    p.add_argument("--count", type=int, default=count, help="domains per family, glyphs per font, icons per folder (0: all)")
     p.add_argument("--seed", type=int, default=0, help="the first seed of each family, and what chooses glyphs and icons")
     p.add_argument("--fonts", nargs="+", default=[], metavar="PLACE", help="font files, or folders of them")
     p.add_argument("--icons", nargs="+", default=[], metavar="FOLDER", help="folders of SVG icons")
     p.add_argument("--lines", nargs="+", default=[], metavar="FILE", help="files of domains, one a line")
-    p.add_argument("--oracle", type=float, default=0.1, metavar="SHARE", help="share compared with the oracle (0.1)")
+
+
+def add_work(p: argparse.ArgumentParser, limit: float, out: str) -> None:
+    """Arguments that say how, and what becomes of failures."""
     p.add_argument("--workers", type=int, default=2, help="processes (2)")
-    p.add_argument("--limit", type=float, default=20.0, help="seconds per domain (20)")
-    p.add_argument("--scale", type=float, default=1.0, help="factor on all coordinates")
-    p.add_argument("--shift", type=pair, default=(0.0, 0.0), metavar="DX,DY", help="then moved by; --shift=-1e6,0 if negative")
+    p.add_argument("--limit", type=float, default=limit, help=f"seconds per domain ({limit:g})")
     p.add_argument("--reduce", type=int, default=3, metavar="N", help="failures reduced per family and kind (3)")
     p.add_argument("--reduce-seconds", type=float, default=60.0, metavar="S", help="longest time for one of them (60)")
+    p.add_argument("--out", type=Path, default=Path(out), help=f"folder for the journal and the failures ({out})")
+
+
+def arguments(given: list[str] | None = None) -> argparse.Namespace:
+    """What was asked for."""
+    p = argparse.ArgumentParser(
+        prog="python -m tests.hunt",
+        description="Look for domains that are not solved: of all generated families, or of those, fonts, icons and lines given.",
+    )
+    add_shapes(p, 100)
+    add_work(p, 20.0, "out/hunt")
+    p.add_argument("--oracle", type=float, default=0.1, metavar="SHARE", help="share compared with the oracle (0.1)")
+    p.add_argument("--scale", type=float, default=1.0, help="factor on all coordinates")
+    p.add_argument("--shift", type=pair, default=(0.0, 0.0), metavar="DX,DY", help="then moved by; --shift=-1e6,0 if negative")
     p.add_argument("--resume", action="store_true", help="go on with the journal")
     p.add_argument("--worst", action="store_true", help="list the hundred slowest for their size, and largest in memory")
-    p.add_argument("--out", type=Path, default=Path("out/hunt"), help="folder for the journal and the failures (out/hunt)")
     return p.parse_args(given)
 
 
@@ -61,7 +73,7 @@ def domains(a: argparse.Namespace, families: list[str]) -> Iterator[Named]:
     glyphs = (g for file in outlines.files(a.fonts, outlines.FONT_FILES) for g in outlines.glyphs(file, a.count, a.seed))
     icons = (i for folder in a.icons for i in outlines.icons(folder, a.count, a.seed))
     lines = (d for file in outlines.files(a.lines, ()) for d in outlines.lines(file))
-    return placed(chain(generated, glyphs, icons, lines), a.scale, a.shift)
+    return chain(generated, glyphs, icons, lines)
 
 
 def main(given: list[str] | None = None) -> int:
@@ -77,7 +89,7 @@ def main(given: list[str] | None = None) -> int:
     journal, team = Journal(a.out / "journal.jsonl", a.resume), Team(a.workers, a.limit)
     hunt = Hunt(team, journal, a.out, a.oracle, a.reduce, a.reduce_seconds)
     try:
-        hunt.run(domains(a, families), report.Progress(total))
+        hunt.run(placed(domains(a, families), a.scale, a.shift), report.Progress(total))
     except KeyboardInterrupt:
         sys.stdout.write("stopped; --resume goes on from here\n")
     finally:

@@ -17,7 +17,9 @@ import numpy as np
 from tests import families as F
 from tests.families import Edge, Json, Point
 from tests.hunt import noise
+from tests.hunt.curves import CURVES
 from tests.hunt.reduce import joined
+from tests.hunt.trades import TRADES
 from tests.transforms import bezier_pieces, insert_knot
 
 Rng = np.random.Generator
@@ -247,6 +249,8 @@ FAMILIES: dict[str, Callable[[int, Rng], Json]] = {
     "tangent_lines": tangent_lines,
     "tangent_cubics": tangent_cubics,
     "tangent_arcs": tangent_arcs,
+    **TRADES,
+    **CURVES,
 }
 
 
