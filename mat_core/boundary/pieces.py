@@ -37,17 +37,23 @@ SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
 
 
 @inner
-def total_turning(cp, c0, deg, rational, begin, end):
-    """Sum of the absolute turns of the tangent between nine parameters (pieces here have at most one inflection).
+def _from_nearer_end(cp, c0, deg, rational, s):
+    """`bezier_frame` relative to the nearer end: a rational curve that stands still there has no speed left over by rounding.
 
-    Seen from the nearer end, where a rational curve that stands still has no speed left over by rounding, and so no direction.
+    Such a rest would be taken for a direction, and what it turns by for a bend.
     """
+    near = c0 if s <= 0.5 else c0 + deg
+    return bezier_frame(cp, c0, deg, rational, s, cp[near, 0], cp[near, 1])
+
+
+@inner
+def total_turning(cp, c0, deg, rational, begin, end):
+    """Sum of the absolute turns of the tangent between nine parameters (pieces here have at most one inflection)."""
     total = 0.0
     px = py = 0.0
     for step in range(9):
         s = begin + 0.125 * step * (end - begin)
-        near = c0 if s <= 0.5 else c0 + deg
-        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[near, 0], cp[near, 1])
+        x, y, x1, y1, x2, y2 = _from_nearer_end(cp, c0, deg, rational, s)
         if x1 == 0.0 and y1 == 0.0:
             continue
         if px != 0.0 or py != 0.0:
@@ -84,8 +90,7 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
     for side in range(2):
         s = begin if side == 0 else end
         if 0.0 < s < 1.0:
-            near = c0 if s <= 0.5 else c0 + deg
-            x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[near, 0], cp[near, 1])
+            x, y, x1, y1, x2, y2 = _from_nearer_end(cp, c0, deg, rational, s)
             speed = math.sqrt(x1 * x1 + y1 * y1)
             if speed > 1e-9 * math.sqrt(x2 * x2 + y2 * y2):
                 tx = x1 / speed
@@ -112,7 +117,7 @@ def _apart(cp, c0, deg, rational, a, b):
 @inner
 def _curvature(cp, c0, deg, rational, s):
     """Curvature at s; infinite where the Bezier stands still."""
-    x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, cp[c0, 0], cp[c0, 1])
+    x, y, x1, y1, x2, y2 = _from_nearer_end(cp, c0, deg, rational, s)
     speed = math.sqrt(x1 * x1 + y1 * y1)
     return (x1 * y2 - y1 * x2) / (speed * speed * speed) if speed > 0.0 else math.inf
 
@@ -167,8 +172,8 @@ def _tight_cut(cp, c0, deg, rational, begin, end):
 
     Cut again and again the parts grow away from the bend as its radius does: the parameter of none has too few digits there.
     """
-    x, y, ax, ay, bx, by = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
-    x, y, dx, dy, ex, ey = bezier_frame(cp, c0, deg, rational, end, cp[c0, 0], cp[c0, 1])
+    x, y, ax, ay, bx, by = _from_nearer_end(cp, c0, deg, rational, begin)
+    x, y, dx, dy, ex, ey = _from_nearer_end(cp, c0, deg, rational, end)
     first = ax * ax + ay * ay
     last = dx * dx + dy * dy
     if first == 0.0 or last == 0.0:
@@ -182,7 +187,7 @@ def _tight_cut(cp, c0, deg, rational, begin, end):
     hi = end
     for _ in range(60):
         m = 0.5 * (lo + hi)
-        x, y, dx, dy, ex, ey = bezier_frame(cp, c0, deg, rational, m, cp[c0, 0], cp[c0, 1])
+        x, y, dx, dy, ex, ey = _from_nearer_end(cp, c0, deg, rational, m)
         if abs(math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)) < abs(half):
             lo = m
         else:
