@@ -128,7 +128,8 @@ class Settings:
         Domains solved at a time, so the number of cores to use. While jobs or long requests use all of them, one more process
         works for the requests that go before (`service.workers.lanes`), and one more is kept warm.
     long_priority : str
-        How workers with long work (large bodies, jobs, all that takes more than a second) share processors with everything else.
+        How workers with long work (large bodies, jobs, all that takes more than a twentieth of a second of processor time) share
+        processors with everything else.
         idle: they get what is left, so that small requests are as fast as ever; low: at least a tenth, which suits a machine
         whose processors other programs keep busy; normal: as much as the others.
     max_body_bytes : int
@@ -143,7 +144,7 @@ class Settings:
     upload_seconds : float
         How long a request's body is waited for, and a second more for each 16 KiB that have come; then the answer is 408.
     queue_limit : int
-        Requests that may wait for a worker in each of the two lanes, small and long; one more is answered 503 at once.
+        Requests that may wait for a worker in each lane but that of jobs; one more is answered 503 at once.
     worker_memory_bytes : int
         Address space a worker may claim beyond what it starts with; a larger demand is answered 422 too-complex.
     worker_recycle_bytes : int

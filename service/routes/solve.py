@@ -151,9 +151,10 @@ async def _looked_at(request: Request, order: Order, body: bytes) -> Order:
     return Order(order.operation, form, order.options)
 
 
-def queue_full() -> RequestError:
-    """The refusal of a request that there is no room for."""
-    return RequestError("queue-full", "As many requests wait as may wait; this one was not started.")
+def queue_full(begun: bool = False) -> RequestError:
+    """The refusal of a request that there is no room for, not at once or not any more."""
+    detail = "this one takes longer than most, and was stopped." if begun else "this one was not started."
+    return RequestError("queue-full", f"As many requests wait as may wait; {detail}")
 
 
 async def _solve_unless_disconnected(request: Request, header: dict[str, Any], body: bytes, wait: float | None) -> Reply:
@@ -174,8 +175,8 @@ async def _solve_unless_disconnected(request: Request, header: dict[str, Any], b
         if "error" in reply.header:
             raise RequestError(**reply.header["error"])
         return reply
-    except QueueFull:
-        raise queue_full() from None
+    except QueueFull as refusal:
+        raise queue_full(refusal.begun) from None
     except DeadlineExceeded:
         raise RequestError(
             "deadline-exceeded", "The time from arrival to answer ran out; the work was stopped. Try a smaller domain."

@@ -20,6 +20,9 @@ from service.workers.crew import Reason
 GATHER_SECONDS = 0.05
 """How long result lines gather before they are read."""
 
+FEW_BYTES = 128 << 10
+"""Half of what asyncio reads at a time: where as much came, there is more, and to wait would only hold up the worker."""
+
 ATTEMPTS = 2
 """Workers that a line may end before it is held to be its fault: a worker may also be ended from outside."""
 
@@ -45,7 +48,7 @@ class Chunk:
         self._lines = body.split(b"\n")
         self._next = 0
         self._tried = 0  # workers that ended at the next line
-        self._gathered = 0  # messages read since they were last waited for
+        self._gathered = self._bytes = 0  # messages read since they were last waited for
         self.unused = False
         self.reason: Reason | None = None
         self.resident_bytes = self.served = 0
@@ -60,7 +63,7 @@ class Chunk:
         """Hand the rest to a worker; the result lines as far as this one comes."""
         self.reason = None
         self.unused = False
-        self._gathered = 0
+        self._gathered = self._bytes = 0
         header = {**self._header, "lines": True, "first": self._first + self._next}
         await channel.send(header, b"\n".join(self._lines[self._next :]))
         channel.pause()
@@ -89,15 +92,20 @@ class Chunk:
     async def _message(self, channel: Channel) -> Message:
         """The next message. It is read from the socket only while it is waited for, so a slow reader here slows the worker."""
         if channel.pending:
-            self._gathered += 1
-            return await channel.receive()
-        if len(self._lines) - self._next > 2 * self._gathered > 0:  # the worker need not wait for us at its end
+            return self._count(await channel.receive())
+        if self._bytes < FEW_BYTES and len(self._lines) - self._next > 2 * self._gathered > 0:  # nor need it wait at its end
             await asyncio.sleep(GATHER_SECONDS)
         channel.resume()
         async with asyncio.timeout(self._seconds):
             message = await channel.receive()
         channel.pause()
-        self._gathered = 1
+        self._gathered = self._bytes = 0
+        return self._count(message)
+
+    def _count(self, message: Message) -> Message:
+        """Note that a message was read."""
+        self._gathered += 1
+        self._bytes += sum(map(len, message[1]))
         return message
 
     def _give_up(self, code: str, detail: str) -> bytes:

@@ -8,7 +8,17 @@ class PoolError(Exception):
 
 
 class QueueFull(PoolError):
-    """As many requests wait in its lane as the settings allow."""
+    """As many requests wait in its lane as the settings allow.
+
+    Attributes
+    ----------
+    begun : bool
+        It was worked on, for longer than the lane it came from gives; it is the next lane that is full.
+    """
+
+    def __init__(self, begun: bool = False) -> None:
+        super().__init__()
+        self.begun = begun
 
 
 class DeadlineExceeded(PoolError):

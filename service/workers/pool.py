@@ -212,8 +212,10 @@ class Pool:
                 async with self._lanes.turn(request.lane, again) as turn:
                     return await self._attempt(request, turn)
             except Stopped as stopped:
-                again = stopped.reason != "preempted"  # else it is the last of the lane that it goes on in, if not one too many
+                again = stopped.reason != "preempted"  # else it is the last of the lane that it goes on in
                 request.unused = request.unused or again
+                if not again and self._lanes.full(request.lane):
+                    raise QueueFull(begun=True) from None
             except ChannelClosed as end:
                 again = True
                 unread += 1
