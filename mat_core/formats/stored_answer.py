@@ -85,7 +85,8 @@ def _certified(answer: Any, domain: Domain, threads: int | None) -> dict[str, An
     smooth_angle = float(np.clip(answer["certificate"]["smooth_angle"], 0.0, LARGEST_SMOOTH_ANGLE))
     witness = medial_axis(domain, tolerance, smooth_angle=smooth_angle, threads=threads)
     axis = _in_place_of(witness, answer["graph"], answer["segments"])
-    certificate = certify(axis.table, axis.skeleton, axis.runs, axis.curves, tolerance, domain=domain, threads=threads or 1)
+    found = certify(axis.table, axis.skeleton, axis.runs, axis.curves, tolerance, domain=domain, threads=threads or 1)
+    certificate: dict[str, Any] = dict(found)
     certificate["smooth_angle"] = axis.table.smooth_angle
     _add(certificate, "footpoints", list(_foot_faults(domain, answer["graph"]["nodes"])), domain)
     if any("samples" in segment for segment in answer["segments"]):
