@@ -160,7 +160,12 @@ def test_the_largest_disc_inside_a_strip_counts(share: float) -> None:
     """A side of one cubic over a line: the axis runs from vertex to vertex, and no disc of the skeleton is larger than 0."""
     bow = {
         "degree": 3,
-        "control_points": [[343.2684326171875, 341.09251403808594], [375.2425079345703, 412.25621032714844], [418.4025115966797, 507.26416015625], [474.0, 633.0000152587891]],
+        "control_points": [
+            [343.2684326171875, 341.09251403808594],
+            [375.2425079345703, 412.25621032714844],
+            [418.4025115966797, 507.26416015625],
+            [474.0, 633.0000152587891],
+        ],
     }
     axis = solve({"outer": [bow, line((474.0, 633.0000152587891), (343.2684326171875, 341.09251403808594))]})
     assert not axis.skeleton.disc[:, 2].any()
