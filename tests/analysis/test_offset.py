@@ -14,7 +14,7 @@ import pytest
 import shapely
 
 from mat_core import Domain, MedialAxis, UnsupportedOption, medial_axis
-from mat_core.analysis import Offset, offset, offsets
+from mat_core.analysis import Offset, inscribed_disc, offset, offsets
 from tests.analysis.erosion import eroded, evaluated, flatten, polygon
 from tests.families import CATALOGUE, arc, circle_hole, line, polyline
 
@@ -153,6 +153,28 @@ def test_a_disc_shrinks_and_grows() -> None:
         result = offset(axis, d)
         assert result.area == pytest.approx(math.pi * (r - d) ** 2, rel=1e-12)
         assert result.perimeter == pytest.approx(2 * math.pi * (r - d), rel=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+def test_the_largest_disc_inside_a_strip_counts(share: float) -> None:
+    """A side of one cubic over a line: the axis runs from vertex to vertex, and no disc of the skeleton is larger than 0."""
+    bow = {
+        "degree": 3,
+        "control_points": [
+            [343.2684326171875, 341.09251403808594],
+            [375.2425079345703, 412.25621032714844],
+            [418.4025115966797, 507.26416015625],
+            [474.0, 633.0000152587891],
+        ],
+    }
+    axis = solve({"outer": [bow, line((474.0, 633.0000152587891), (343.2684326171875, 341.09251403808594))]})
+    assert not axis.skeleton.disc[:, 2].any()
+    result = offset(axis, share * inscribed_disc(axis).radius)
+    assert len(result.regions) == 1
+    shape = boundary(axis)
+    assert_sound(axis, result, shape)
+    assert_eroded(axis, result, shape)
+    assert offset(axis, 1.01 * inscribed_disc(axis).radius).regions == ()
 
 
 def test_a_stadium_stays_one() -> None:

@@ -76,9 +76,10 @@ class InwardOffsets:
         table = self.axis.table
         d = distance * table.scale
         above = self.axis.skeleton.disc[:, 2] > d + self.neck
-        if not above.any():
-            return ()
+        # the largest disc may stand inside a strip, with a smaller one at either end
         corners = find_corners(self.axis, self.strips, d, d + self.neck, above)
+        if not above.any() and not len(corners.strip):
+            return ()
         arcs, pairs = self._arcs(above, corners)
         loops = self._loops(arcs, len(corners.strip))
         part = _parts(len(arcs), loops, pairs)
