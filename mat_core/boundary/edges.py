@@ -1,0 +1,95 @@
+"""From the caller's edges to pieces of monotone curvature: moved to the origin, cut into Beziers, these into pieces."""
+
+from __future__ import annotations
+
+from mat_core.boundary.pieces import cut_beziers
+from mat_core.kernels.bezier import balance, decompose
+from mat_core.kernels.jit import inner, jit
+
+
+@jit
+def count_beziers(degree, cp_start):
+    """What step 1 needs room for: (Beziers, their control points; most of one edge, most that one is given, highest degree)."""
+    beziers = points = most_of_edge = longest = highest = 0
+    for edge in range(degree.shape[0]):
+        d = degree[edge]
+        given = cp_start[edge + 1] - cp_start[edge]
+        spans = max(given - d, 1)
+        beziers += spans
+        points += spans * (d + 1)
+        most_of_edge = max(most_of_edge, given * (d + 1))
+        longest = max(longest, given)
+        highest = max(highest, d)
+    return beziers, points, most_of_edge, longest, highest
+
+
+@jit
+def cut_edges(
+    degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding, moved, span_cp, breaks,
+    bez_i, bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds, roots,
+):
+    """Steps 1 and 2; returns (pieces, rows of cp), pieces = -1 if a buffer is too small."""
+    # before knots are inserted: far from the origin a new point would be rounded as coarsely as those are
+    for row in range(control.shape[0]):
+        moved[row, 0] = (control[row, 0] - ox) * scale
+        moved[row, 1] = (control[row, 1] - oy) * scale
+        moved[row, 2] = control[row, 2]
+    noise = 4.0 * rounding
+    used = _collect_beziers(degree, cp_start, moved, knot_start, knots, edge_loop_start, backwards, noise, span_cp, breaks, bez_i,
+                            bez_u, cp, bez_loop_start)
+    return cut_beziers(bez_i, bez_u, bez_loop_start, cp, used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
+                       bounds, roots)
+
+
+@inner
+def _collect_beziers(
+    degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, rounding,
+    span_cp, breaks, bez_i, bez_u, cp, bez_loop_start,
+):
+    """Step 1: fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub, skew), cp; returns the rows of cp."""
+    count = 0
+    used = 0
+    bez_loop_start[0] = 0
+    for loop in range(edge_loop_start.shape[0] - 1):
+        first = edge_loop_start[loop]
+        last = edge_loop_start[loop + 1]
+        flip = backwards[loop]
+        loop_first = count
+        for step in range(last - first):
+            edge = last - 1 - step if flip else first + step
+            d = degree[edge]
+            n_spans = decompose(d, knots, knot_start[edge], knot_start[edge + 1] - knot_start[edge], control, cp_start[edge],
+                                cp_start[edge + 1] - cp_start[edge], span_cp, breaks)
+            for position in range(n_spans):
+                span = n_spans - 1 - position if flip else position
+                row = span * (d + 1)
+                rational = 0
+                extent = 0.0
+                for i in range(d + 1):
+                    source = row + (d - i if flip else i)
+                    cp[used + i, 0] = span_cp[source, 0]
+                    cp[used + i, 1] = span_cp[source, 1]
+                    cp[used + i, 2] = span_cp[source, 2] / span_cp[row, 2]
+                    if cp[used + i, 2] != 1.0:
+                        rational = 1
+                    extent = max(extent, abs(cp[used + i, 0] - cp[used, 0]), abs(cp[used + i, 1] - cp[used, 1]))
+                if extent <= rounding:
+                    continue
+                bez_i[count, 0] = d
+                bez_i[count, 1] = used
+                bez_i[count, 2] = rational
+                bez_i[count, 3] = edge - first
+                bez_i[count, 4] = span
+                bez_u[count, 0] = breaks[span + 1] if flip else breaks[span]
+                bez_u[count, 1] = breaks[span] if flip else breaks[span + 1]
+                bez_u[count, 2] = balance(cp, used, d)
+                count += 1
+                used += d + 1
+        # ends that differ by rounding become one point
+        for b in range(loop_first, count):
+            after = b + 1 if b + 1 < count else loop_first
+            end = bez_i[b, 1] + bez_i[b, 0]
+            cp[end, 0] = cp[bez_i[after, 1], 0]
+            cp[end, 1] = cp[bez_i[after, 1], 1]
+        bez_loop_start[loop + 1] = count
+    return used
