@@ -39,11 +39,10 @@ from mat_core.curves.polynomial import divide, interpolate, miss, weight_of
 from mat_core.curves.way import I_ROW, MOST_NODES, PLAN_S0, PLAN_S1, PLAN_T, SPARE, SPARE_MISS, Scratch, Track
 from mat_core.kernels.jit import inner
 
-# abscissae of checks (even) and nodes (odd) up to the middle, for 2, 4, 6 and 8 nodes: |W| is equally large at all checks
+# abscissae of checks (even) and nodes (odd) up to the middle, for 2, 4 and 6 nodes: |W| is equally large at all checks
 FRACTIONS = np.array((0.182223, 0.337294, 0.5,
                       0.098311, 0.186439, 0.284563, 0.390292, 0.5,
-                      0.061866, 0.118639, 0.183531, 0.255779, 0.333844, 0.415906, 0.5,
-                      0.042593, 0.082171, 0.128037, 0.17997, 0.237242, 0.298938, 0.364034, 0.431435, 0.5))  # fmt: skip
+                      0.061866, 0.118639, 0.183531, 0.255779, 0.333844, 0.415906, 0.5))  # fmt: skip
 OUTER = 0.6  # abscissa of the checks beside the ends, relative to the first one's
 CHASE = 4  # samples to bring such a check within NEAR_ENOUGH of its abscissa
 NEAR_ENOUGH = 0.04

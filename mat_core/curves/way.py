@@ -37,7 +37,7 @@ PLAN_T, PLAN_HALF, PLAN_S0, PLAN_S1, PLAN_SJ0, PLAN_SJ1, PLAN_SJ_HALF = range(7)
 PLAN_COLUMNS = 7
 MAX_STRIPS = 12  # strips that one interval may pass
 
-MAX_DEGREE = 11  # of a polynomial
+MAX_DEGREE = 9  # of a polynomial: some readers of DXF take splines of degree 10 at most
 ROWS = MAX_DEGREE + 1  # control points kept for a piece
 
 # rows of samples: 0 .. m - 1 nodes, from m on m + 1 checks, two more near the ends; one spare

@@ -12,7 +12,7 @@ An axis by itself is drawn with all three. Who hands curves in wants those: to c
 may be in the way but the boundary, which shows where they lie. `own` says otherwise.
 
 The drawing has no unit: its numbers are the caller's. Written by ezdxf (extra ``dxf``) as DXF R2000, the oldest version
-with splines, which every program reads; AutoCAD takes splines up to degree 11, other programs up to 25.
+with splines, which every program reads; their degree is 9 at most, and some programs end at 10.
 """
 
 from __future__ import annotations
