@@ -15,11 +15,11 @@ Not looked at: the direction in a normal fan (``angle``), and the certificate an
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mat_core.axis import MedialAxis
 from mat_core.axis.records import CurveTable
@@ -27,12 +27,12 @@ from mat_core.axis.segment import SEGMENT_KINDS
 from mat_core.certificate import certify
 from mat_core.certificate.report import CHECKS
 from mat_core.errors import NotCertified, UnreadableInput
+from mat_core.formats.document_arrays import Floats, joined, numbers, offsets, whole
 from mat_core.model.domain import Domain
 from mat_core.pipeline import TOLERANCE_RANGE, medial_axis
+from mat_core.threads import threads_allowed
 from mat_core.topology.graph import NODE_KINDS, AxisGraph
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Json = Mapping[str, Any]
 
 LIMIT = 1e-9
@@ -72,31 +72,36 @@ def certify_answer(answer: object, domain: Domain, *, threads: int | None = None
     NotCertified
         It is an answer, and not that of this domain; or none can be found now to judge it by.
     """
-    try:
-        return _certified(answer, domain, threads)
-    except (KeyError, IndexError, TypeError, AttributeError, OverflowError) as error:
-        raise UnreadableInput(f"not an answer: {type(error).__name__}: {error}") from error
-
-
-def _certified(answer: Any, domain: Domain, threads: int | None) -> dict[str, Any]:
-    """The steps in order."""
-    _same_domain(answer["domain"], domain)
-    tolerance = _tolerance(answer["certificate"]["checks"])
-    smooth_angle = float(np.clip(answer["certificate"]["smooth_angle"], 0.0, LARGEST_SMOOTH_ANGLE))
+    document: Any = answer
+    with _reading():
+        _same_domain(document["domain"], domain)
+        tolerance = _tolerance(document["certificate"]["checks"])
+        smooth_angle = float(np.clip(document["certificate"]["smooth_angle"], 0.0, LARGEST_SMOOTH_ANGLE))
     witness = medial_axis(domain, tolerance, smooth_angle=smooth_angle, threads=threads)
-    axis = _in_place_of(witness, answer["graph"], answer["segments"])
-    found = certify(axis.table, axis.skeleton, axis.runs, axis.curves, tolerance, domain=domain, threads=threads or 1)
-    certificate: dict[str, Any] = dict(found)
-    certificate["smooth_angle"] = axis.table.smooth_angle
-    _add(certificate, "footpoints", list(_foot_faults(domain, answer["graph"]["nodes"])), domain)
-    if any("samples" in segment for segment in answer["segments"]):
-        _add(certificate, "samples", list(_sample_faults(domain, axis, answer["segments"])), domain)
-    certificate["passed"] = all(check["passed"] for check in certificate["checks"].values())
+    with _reading():
+        axis = _in_place_of(witness, document["graph"], document["segments"])
+    made = certify(axis.table, axis.skeleton, axis.runs, axis.curves, tolerance, domain=domain, threads=threads_allowed(threads))
+    checks = dict(made["checks"])
+    with _reading():
+        if made["passed"]:
+            checks["footpoints"] = _check("footpoints", list(_foot_faults(domain, document["graph"]["nodes"])), domain)
+        if made["passed"] and any("samples" in segment for segment in document["segments"]):  # its curves can be evaluated
+            checks["samples"] = _check("samples", list(_sample_faults(domain, axis, document["segments"])), domain)
+    certificate = {**made, "checks": checks, "passed": all(check["passed"] for check in checks.values())}
     if not certificate["passed"]:
-        name, check = next((name, check) for name, check in certificate["checks"].items() if not check["passed"])
+        name, check = next((name, check) for name, check in checks.items() if not check["passed"])
         figure = f"{check['measured']:.3g}, and {check['limit']:.3g} at most is allowed"
         raise NotCertified(f"{name}: {check['detail']}: {figure}", tuple(check["place"] or ()) or None, certificate)
     return certificate
+
+
+@contextlib.contextmanager
+def _reading() -> Iterator[None]:
+    """What cannot be read in a document makes it none."""
+    try:
+        yield
+    except (KeyError, IndexError, TypeError, AttributeError, OverflowError) as error:
+        raise UnreadableInput(f"not an answer: {type(error).__name__}: {error}") from error
 
 
 def _tolerance(checks: Json) -> float:
@@ -115,7 +120,7 @@ def _same_domain(told: Json, domain: Domain) -> None:
         if told[name] != count:
             raise NotCertified(f"it is the answer of another domain: one of {told[name]} {name}, and this has {count}")
     slack = ROUNDING * max(map(abs, domain.bbox))
-    box = _numbers(told["bbox"], "/domain/bbox", 4)
+    box = numbers(told["bbox"], "/domain/bbox", 4)
     if not (np.abs(box - domain.bbox) <= slack).all():
         raise NotCertified(f"it is the answer of another domain: one within {box.tolist()}, and this has {list(domain.bbox)}")
     if not abs(told["area"] - domain.area) <= LIMIT * domain.size**2:
@@ -142,8 +147,8 @@ def _node_discs(witness: MedialAxis, nodes: Sequence[Json]) -> Floats:
         raise NotCertified('its nodes are numbered otherwise than those found now; was it method "march", or another version?')
     for number, counts in enumerate(zip(told, found, strict=True)):
         _as_many(f"footpoints of node {number}", *counts)
-    points = _numbers([node["point"] for node in nodes], "/graph/nodes", 2)
-    radii = _numbers([node["radius"] for node in nodes], "/graph/nodes")
+    points = numbers([node["point"] for node in nodes], "/graph/nodes", 2)
+    radii = numbers([node["radius"] for node in nodes], "/graph/nodes")
     return _normalised(witness, points, radii)
 
 
@@ -155,13 +160,13 @@ def _graph(witness: MedialAxis, graph: Json, segments: Sequence[Json]) -> AxisGr
     edges = [(edge["segment"], edge["source"], edge["target"]) for edge in graph["edges"]]
     if edges != [(number, *pair) for number, pair in enumerate(ends)]:
         raise NotCertified("edges of its graph do not join the nodes that its segments do")
-    start, end = (_whole([-1 if pair[side] is None else pair[side] for pair in ends], "/segments") for side in (0, 1))
-    kinds = _whole([_kind(NODE_KINDS, node["kind"]) for node in graph["nodes"]], "/graph/nodes")
-    order = _whole(graph["topological_order"], "/graph/topological_order")
+    start, end = (whole([-1 if pair[side] is None else pair[side] for pair in ends], "/segments") for side in (0, 1))
+    kinds = whole([_kind(NODE_KINDS, node["kind"]) for node in graph["nodes"]], "/graph/nodes")
+    order = whole(graph["topological_order"], "/graph/topological_order")
     return witness.runs._replace(
         node_kind=kinds, start_node=start, end_node=end, order=order,
-        components=_whole(graph["components"], "/graph/components").item(),
-        cycles=_whole(graph["cycles"], "/graph/cycles").item(),
+        components=whole(graph["components"], "/graph/components").item(),
+        cycles=whole(graph["cycles"], "/graph/cycles").item(),
     )  # fmt: skip
 
 
@@ -169,7 +174,7 @@ def _curves(witness: MedialAxis, segments: Sequence[Json]) -> CurveTable:
     """The curves that the document holds; the strips of their pieces are the witness's."""
     c = witness.curves
     parts = [piece for segment in segments for piece in segment["pieces"]]
-    starts = _offsets([len(segment["pieces"]) for segment in segments])
+    starts = offsets([len(segment["pieces"]) for segment in segments])
     if not np.array_equal(starts, c.part_start):
         raise NotCertified("its segments are in other pieces than those found now; was it another version of the solver's?")
     kinds = [[_kind(SEGMENT_KINDS, thing["kind"]) for thing in things] for things in (segments, parts)]
@@ -180,21 +185,21 @@ def _curves(witness: MedialAxis, segments: Sequence[Json]) -> CurveTable:
         if any(centres[name] != radii[name] for name in ("degree", "knots", "weights")):
             raise NotCertified(f"segment {segment['id']}: its axis and its radius differ in degree, knots or weights")
     curves = [segment["axis"] for segment in segments]
-    points = _numbers(_joined(curve["control_points"] for curve in curves), "/segments/*/axis/control_points", 2)
-    radii = _numbers(_joined(segment["radius"]["control_values"] for segment in segments), "/segments/*/radius/control_values")
-    weights = _numbers(_joined(curve["weights"] for curve in curves), "/segments/*/axis/weights")
+    points = numbers(joined(curve["control_points"] for curve in curves), "/segments/*/axis/control_points", 2)
+    radii = numbers(joined(segment["radius"]["control_values"] for segment in segments), "/segments/*/radius/control_values")
+    weights = numbers(joined(curve["weights"] for curve in curves), "/segments/*/axis/weights")
     rows = [len(curve["control_points"]) for curve in curves]
     if rows != [len(curve["weights"]) for curve in curves] or rows != [len(s["radius"]["control_values"]) for s in segments]:
         raise NotCertified("segments have not as many weights or radii as control points")
     spans = c.part_f.copy()
-    spans[:, :2] = _numbers([piece["t"] for piece in parts], "/segments/*/pieces/*/t", 2)
+    spans[:, :2] = numbers([piece["t"] for piece in parts], "/segments/*/pieces/*/t", 2)
     return c._replace(
-        degree=_whole([curve["degree"] for curve in curves], "/segments/*/axis/degree"),
-        knot_start=_offsets([len(curve["knots"]) for curve in curves]),
-        knots=_numbers(_joined(curve["knots"] for curve in curves), "/segments/*/axis/knots"),
-        cp_start=_offsets(rows),
+        degree=whole([curve["degree"] for curve in curves], "/segments/*/axis/degree"),
+        knot_start=offsets([len(curve["knots"]) for curve in curves]),
+        knots=numbers(joined(curve["knots"] for curve in curves), "/segments/*/axis/knots"),
+        cp_start=offsets(rows),
         cp=np.column_stack((_normalised(witness, points, radii), weights)),
-        max_error=_numbers([segment["max_error"] for segment in segments], "/segments/*/max_error") * witness.table.scale,
+        max_error=numbers([segment["max_error"] for segment in segments], "/segments/*/max_error") * witness.table.scale,
         part_f=spans,
     )
 
@@ -209,9 +214,9 @@ def _normalised(witness: MedialAxis, points: Floats, radii: Floats) -> Floats:
 def _foot_faults(domain: Domain, nodes: Sequence[Json]) -> Iterator[tuple[float, Sequence[float]]]:
     """How far each footpoint is from where it is said to be, and from its disc's circle; and its node's place."""
     for node in nodes:
-        centre = _numbers(node["point"], "/graph/nodes/*/point")
+        centre = numbers(node["point"], "/graph/nodes/*/point")
         for foot in node["footpoints"]:
-            place = _numbers(foot["point"], "/graph/nodes/*/footpoints/*/point", 2)
+            place = numbers(foot["point"], "/graph/nodes/*/footpoints/*/point", 2)
             off = np.abs(place - _on_boundary(domain, foot)).max()
             yield max(float(off), abs(float(np.hypot(*(place - centre))) - node["radius"])), node["point"]
 
@@ -222,8 +227,8 @@ def _sample_faults(
     """How far each sample's circle is from its footpoints, and its disc from the curve beyond that one's error."""
     for segment in segments:
         samples = segment["samples"]
-        t = _numbers(samples["t"], "/segments/*/samples/t")
-        discs = np.column_stack((_numbers(samples["points"], "/segments/*/samples/points", 2), samples["radii"]))
+        t = numbers(samples["t"], "/segments/*/samples/t")
+        discs = np.column_stack((numbers(samples["points"], "/segments/*/samples/points", 2), samples["radii"]))
         curve = axis.evaluate(np.full(len(t), segment["id"], dtype=np.int64), t)[:, :3]
         away = np.linalg.norm(discs - curve, axis=1) - segment["max_error"]
         for side in ("left", "right"):
@@ -234,7 +239,7 @@ def _sample_faults(
 
 def _on_boundary(domain: Domain, foot: Json) -> Floats:
     """The point of the input at a footpoint's parameter."""
-    loop, edge = _whole([foot["loop"], foot["edge"]], "/graph/nodes/*/footpoints").tolist()
+    loop, edge = whole([foot["loop"], foot["edge"]], "/graph/nodes/*/footpoints").tolist()
     if not (0 <= loop < len(domain.loops) and 0 <= edge < len(domain.loops[loop])):
         raise NotCertified(f"a footpoint lies on edge {edge} of loop {loop}, which the domain does not have")
     curve = domain.loops[loop][edge]
@@ -245,47 +250,18 @@ def _on_boundary(domain: Domain, foot: Json) -> Floats:
     return point
 
 
-def _add(certificate: dict[str, Any], name: str, faults: list[tuple[float, Sequence[float]]], domain: Domain) -> None:
+def _check(name: str, faults: list[tuple[float, Sequence[float]]], domain: Domain) -> dict[str, Any]:
     """One check more."""
     worst, place = max(faults, key=lambda fault: fault[0], default=(0.0, (0.0, 0.0)))
     limit = LIMIT + ROUNDING * max(map(abs, domain.bbox)) / domain.size
     measured = worst / domain.size
-    certificate["checks"][name] = {
+    return {
         "passed": measured <= limit, "measured": measured, "limit": limit, "unit": "length", "place": list(place),
         "detail": f"largest distance of {name} from the edges that they name, from their circles or their curves",
     }  # fmt: skip
 
 
-# Reading -------------------------------------------------------------------------------------------------------------
-def _numbers(values: object, pointer: str, width: int | None = None) -> Floats:
-    """Finite numbers, in rows where a width is given."""
-    try:
-        found = np.asarray(values)
-    except ValueError:  # rows of different lengths
-        found = np.asarray(None)
-    if found.size == 0:
-        return np.empty((0, width) if width else 0)
-    if found.dtype.kind not in "iuf" or not np.isfinite(found).all() or (width and found.shape[-1:] != (width,)):
-        raise UnreadableInput(f"not an answer: {pointer}: finite numbers{f', {width} each' if width else ''}, are expected")
-    return np.ascontiguousarray(found, dtype=float)
-
-
-def _whole(values: object, pointer: str) -> Ints:
-    """Whole numbers."""
-    found = np.asarray(values)
-    if found.size and found.dtype.kind != "i":
-        raise UnreadableInput(f"not an answer: {pointer}: whole numbers are expected")
-    return np.ascontiguousarray(found, dtype=np.int64)
-
-
-def _joined(lists: Iterator[list[Any]]) -> list[Any]:
-    return [value for values in lists for value in values]
-
-
-def _offsets(counts: list[int]) -> Ints:
-    return np.concatenate((np.zeros(1, dtype=np.int64), np.cumsum(counts, dtype=np.int64)))
-
-
+# What is counted and named ------------------------------------------------------------------------------------------
 def _kind(kinds: Sequence[str], name: str) -> int:
     """The number of a kind; -1 when there is no such."""
     return kinds.index(name) if name in kinds else -1

@@ -206,7 +206,7 @@ def test_a_full_queue_and_a_deadline_while_health_answers(client: TestClient) ->
     results: list[Any] = []
 
     def send() -> None:
-        results.append(client.post("/v1/mat", content=order("spin", seconds=30), headers=JSON))
+        results.append(client.post("/v1/mat", content=order("sleep", seconds=30), headers=JSON))
 
     threads = [threading.Thread(target=send) for _ in range(2)]
     for thread in threads:

@@ -121,7 +121,7 @@ def test_a_nursery_that_is_killed_is_started_again_and_its_workers_do_not_linger
 def test_one_more_than_may_wait_is_refused_at_once() -> None:
     async def scenario(pool: Pool) -> None:
         await pid_of(pool)
-        tasks = [asyncio.create_task(pool.solve({}, order("spin", seconds=0.5))) for _ in range(3)]
+        tasks = [asyncio.create_task(pool.solve({}, order("sleep", seconds=0.5))) for _ in range(3)]
         await asyncio.sleep(0.1)
         assert pool.full
         begun = time.monotonic()
