@@ -422,15 +422,22 @@ class Reference:
         """(cells,) angle from each cell to its follower, radians, left positive; what rounding makes of tiny cells is none.
 
         Between knots, and at those of less than full multiplicity, a curve turns at once only where it stands still, right back.
+        Between edges their own control points tell: the cells beside a tight bend are as small as 1e6 roundings.
         """
         t0, t1 = self.ends
-        before, after = t1, t0[self.follow]
+        before, after = t1.copy(), t0[self.follow]
+        edges = [e for loop in self.loops for e in loop]
+        origin, size = self.frame
+        points = [(np.array(e["control_points"], dtype=float)[None] - origin) / size for e in edges]
+        knots = [full_knots(e) for e in edges]
+        owner = self.boundary.owner
+        for i in np.nonzero([knots[o][-1] == u for o, u in zip(owner, self.boundary.u1, strict=True)])[0]:
+            before[i] = -_first_direction(points[owner[i]][:, ::-1])[0]
+            after[i] = _first_direction(points[owner[self.follow[i]]])[0]
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         turn: Floats = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
-        knots = [full_knots(e) for loop in self.loops for e in loop]
-        degrees = [e["degree"] for loop in self.loops for e in loop]
-        where = zip(self.boundary.owner, self.boundary.u1, strict=True)
-        between = np.array([np.count_nonzero(knots[o] == u) < degrees[o] for o, u in where])
+        where = zip(owner, self.boundary.u1, strict=True)
+        between = np.array([np.count_nonzero(knots[o] == u) < edges[o]["degree"] for o, u in where])
         turn[between & (np.abs(turn) < 1.0)] = 0.0
         return turn
 
