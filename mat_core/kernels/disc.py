@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.curve import evaluate, evaluate_spiral, site_frame
+from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import (
     ARC,
@@ -46,22 +46,10 @@ from mat_core.kernels.layout import (
     Y1,
     Y1_LOW,
 )
+from mat_core.kernels.spiral import through_point, touch_spiral
 
-NEWTON_STEPS = 60
-CAP_STEPS = 48  # halvings of a piece until the turn of D is clear
 CONCENTRIC = 1e-14  # a disc this near to an arc's centre, relative to its radius, touches it anywhere
-FLAT = 1e-12  # relative difference of two values of phi that does not make an end of a site better than its inside
-SMALL = 0.5  # tan(psi) below which a few terms tell psi
 CANCELLED = 0.1  # below this share left over, a difference has lost a digit
-
-
-@inner
-def through_point(dx, dy, nx, ny):
-    """phi of the point at D; minus infinity for the point of tangency itself."""
-    dd = dx * dx + dy * dy
-    if dd == 0.0:
-        return -math.inf
-    return 2.0 * (nx * dx + ny * dy) / dd
 
 
 @inner
@@ -151,191 +139,6 @@ def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
         if lo <= s <= hi:
             return 1.0 / r, s
     return _ends(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny)
-
-
-@inner
-def _turning(dx, dy, tx, ty, k):
-    """(W, |D|^2) at one point of the other site; W = 0 for D = 0."""
-    dd = dx * dx + dy * dy
-    if dd == 0.0:
-        return 0.0, 0.0
-    return k * dd + 2.0 * (dy * tx - dx * ty), dd
-
-
-@inner
-def _angle(dx, dy, tx, ty, nx, ny):
-    """psi at one point of the other site; its limit (T' = -T) for D = 0."""
-    dd = dx * dx + dy * dy
-    if dd == 0.0:
-        return math.atan2(-(nx * tx + ny * ty), ny * tx - nx * ty)
-    along = 2.0 * (dx * tx + dy * ty)
-    ix = tx * dd - along * dx
-    iy = ty * dd - along * dy
-    # t = (ny, -nx)
-    return math.atan2(nx * ix + ny * iy, nx * iy - ny * ix)
-
-
-@inner
-def small_angle(q):
-    """atan(q), for a small q to as many digits as the steps of Newton's method need, and exactly zero where q is."""
-    qq = q * q
-    return q * (1.0 - qq * (1.0 / 3.0 - qq * (0.2 - qq / 7.0))) if qq < SMALL * SMALL else math.atan(q)
-
-
-@inner
-def _turned(ax, ay, bx, by):
-    """Angle from direction a to direction b, in (-pi, pi]."""
-    return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
-
-
-@inner
-def _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, b, bx, by, tbx, tby):
-    """How much psi changes from a to b on a piece that turns by less than half a turn, whole turns counted.
-
-    angle(T') = 2 angle(D) - angle(T) + pi, and psi falls as T' turns left: change = turn of T - 2 (turn of D). That of D is less
-    than half a turn unless p lies inside the cap between the piece and its chord. It may do so where D turns the other way than
-    it sets out and arrives: then halves are looked at, of which one is clear, until all are.
-    """
-    total = _turned(tax, tay, tbx, tby)
-    for _ in range(CAP_STEPS):
-        seen = _turned(ax, ay, bx, by)
-        sense = ax * tay - ay * tax
-        if sense * (bx * tby - by * tbx) <= 0.0 or seen * sense >= 0.0:
-            break
-        m = 0.5 * (a + b)
-        x, y, tx, ty, k, speed = evaluate_spiral(si, sf, cp, j, m, ox, oy)
-        x -= dpx
-        y -= dpy
-        if not a < m < b or x == 0.0 and y == 0.0:
-            break
-        first = _turned(ax, ay, x, y)
-        if sense * (x * ty - y * tx) <= 0.0 or first * sense >= 0.0:
-            total -= 2.0 * first
-            a = m
-            ax = x
-            ay = y
-            tax = tx
-            tay = ty
-        else:
-            total -= 2.0 * _turned(x, y, bx, by)
-            b = m
-            bx = x
-            by = y
-            tbx = tx
-            tby = ty
-    return total - 2.0 * _turned(ax, ay, bx, by)
-
-
-@inner
-def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
-    """Sup of phi over [lo, hi] of a piece of monotone curvature, and where."""
-    x, y, tax, tay, k, speed = evaluate_spiral(si, sf, cp, j, lo, ox, oy)
-    ax = x - dpx
-    ay = y - dpy
-    wa, da = _turning(ax, ay, tax, tay, k)
-    best = through_point(ax, ay, nx, ny)
-    x, y, tx, ty, k, speed = evaluate_spiral(si, sf, cp, j, hi, ox, oy)
-    bx = x - dpx
-    by = y - dpy
-    wb, db = _turning(bx, by, tx, ty, k)
-    at_hi = through_point(bx, by, nx, ny)
-    s_best = lo
-    if at_hi > best:
-        best = at_hi
-        s_best = hi
-    x0 = ax
-    y0 = ay
-    if da == 0.0:
-        wa = wb
-        ax = tax
-        ay = tay
-    if db == 0.0:
-        wb = wa
-        bx = -tx
-        by = -ty
-    if not (wa < 0.0 or wb < 0.0) or hi <= lo:
-        return best, s_best
-
-    # 1. a bracket [a, b] in which psi falls through a multiple of a full turn, `goal`, where W < 0; psi counted from lo on
-    pa = _angle(x0, y0, tax, tay, nx, ny)
-    pb = pa + _fallen(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, hi, bx, by, tx, ty)
-    turn = 2.0 * math.pi
-    if wa < 0.0:  # psi falls from pa, perhaps rises again later
-        goal = 0.0 if pa > 0.0 else -turn
-        found = pb <= goal
-        if not found and wb < 0.0:
-            return best, s_best
-    else:  # psi rises first, then falls to pb
-        goal = turn * math.ceil(pb / turn)
-        found = pa > goal
-    a = lo
-    b = hi
-    above = pa - goal
-    below = pb - goal
-    for _ in range(60):
-        if found and above < 1.5 and below > -1.5:
-            break
-        m = 0.5 * (a + b)
-        if not a < m < b:
-            break
-        x, y, tx, ty, k, speed = evaluate_spiral(si, sf, cp, j, m, ox, oy)
-        dx = x - dpx
-        dy = y - dpy
-        dd = dx * dx + dy * dy
-        value = above + _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, m, dx, dy, tx, ty)
-        if found or (value <= 0.0 if wa < 0.0 else value > 0.0):
-            found = True
-            forward = value > 0.0
-        else:
-            forward = (k * dd + 2.0 * (dy * tx - dx * ty) < 0.0) == (wa < 0.0)
-        if forward:
-            a = m
-            above = value
-            ax = dx
-            ay = dy
-            tax = tx
-            tay = ty
-        else:
-            b = m
-            below = value
-    if not found:
-        return best, s_best
-
-    # 2. Newton on psi, kept inside the bracket
-    s = 0.5 * (a + b)
-    for _ in range(NEWTON_STEPS):
-        x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
-        dx = x - dpx
-        dy = y - dpy
-        dd = dx * dx + dy * dy
-        ss = x1 * x1 + y1 * y1
-        if dd == 0.0 or ss == 0.0:
-            break
-        along = 2.0 * (dx * x1 + dy * y1)
-        ix = x1 * dd - along * dx
-        iy = y1 * dd - along * dy
-        facing = nx * iy - ny * ix
-        psi = nx * ix + ny * iy
-        psi = small_angle(psi / facing) if abs(psi) < SMALL * facing else math.atan2(psi, facing)
-        slope = (x1 * y2 - y1 * x2) / ss + 2.0 * (dy * x1 - dx * y1) / dd
-        # where psi rises, the root lies on the other side of it, however small psi is there
-        if (psi > 0.0) if slope < 0.0 else wa >= 0.0:
-            a = s
-        else:
-            b = s
-        new = s - psi / slope if slope < 0.0 else 0.5 * (a + b)
-        if not a < new < b:
-            new = 0.5 * (a + b)
-        step = abs(new - s)
-        s = new
-        if step <= 1e-14 or b - a <= 1e-15:
-            break
-    x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
-    phi = through_point(x - dpx, y - dpy, nx, ny)
-    # an end is the next site's contact as well, and where phi is flat it is not better than rounding makes it
-    if phi >= best - FLAT * abs(best):
-        return phi, s
-    return best, s_best
 
 
 @inner

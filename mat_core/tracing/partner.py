@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.kernels.curve import evaluate, site_frame
-from mat_core.kernels.disc import FLAT, origin_end, small_angle, touch_circular, touch_fan
+from mat_core.kernels.disc import origin_end, touch_circular, touch_fan
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import FAN, KIND, SPIRAL, X0, X1, Y0, Y1
+from mat_core.kernels.spiral import FLAT, small_angle
 from mat_core.tracing.strip import trace
 
 Floats = NDArray[np.float64]
