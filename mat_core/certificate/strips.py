@@ -28,9 +28,10 @@ from mat_core.certificate.discs import missed
 from mat_core.certificate.report import CURVES_EMPTY, CURVES_ON_AXIS, PARTNERS_LEFT, PARTNERS_RIGHT, worst
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
-from mat_core.kernels.judge import CLOSE, depth, depth_near, distance_from
+from mat_core.kernels.judge import depth, depth_near
 from mat_core.kernels.judge_ball import ball
 from mat_core.kernels.judge_boxes import leaves_near, stretch
+from mat_core.kernels.judge_foot import CLOSE, distance_from
 from mat_core.kernels.judge_spline import spline_value
 from mat_core.kernels.layout import FAN, KIND, LEN, SWEEP
 

@@ -9,7 +9,7 @@ import math
 
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
-from mat_core.kernels.judge import foot
+from mat_core.kernels.judge_foot import foot
 from mat_core.kernels.layout import KIND, SPIRAL, V0, V1, X0, X1, Y0, Y1
 
 BESIDE = 1e-15  # a foot this near to the footpoint is the same point

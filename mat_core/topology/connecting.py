@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.boxtree import query
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import FAN, KIND, LOOP, PREV, SWEEP, THROUGH, TX0, TX1, TY0, X0
+from mat_core.kernels.query import query
 from mat_core.topology.discs import K_LOW, NO_PARTNER, OK
 from mat_core.topology.unite import find, unite
 

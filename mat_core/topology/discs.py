@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.boxtree import query
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.disc import touch
 from mat_core.kernels.jit import inner
@@ -40,6 +39,7 @@ from mat_core.kernels.layout import (
     Y0,
     Y1,
 )
+from mat_core.kernels.query import query
 from mat_core.topology.unite import COORDINATE, arc_noise
 
 OWN_RELATIVE = 1e-13  # own curvature wins on a spiral when no other site is better by more than rounding

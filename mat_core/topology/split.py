@@ -6,9 +6,9 @@ discs the one that leaves the parts most alike is taken. Halved again and again,
 
 from __future__ import annotations
 
-from mat_core.kernels.boxtree import query
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
+from mat_core.kernels.query import query
 from mat_core.topology.discs import K_LOW
 
 MANY = 64  # faces of up to so many arcs are not split

@@ -11,9 +11,10 @@ from mat_core.certificate.certify import Boxes, boxes_for
 from mat_core.certificate.inputs import Boundary, boundary_of
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import jit
-from mat_core.kernels.judge import depth, depth_near, distance_from, foot
+from mat_core.kernels.judge import depth, depth_near
 from mat_core.kernels.judge_ball import ball
 from mat_core.kernels.judge_boxes import fill_boxes, leaves_near, stretch
+from mat_core.kernels.judge_foot import distance_from, foot
 from mat_core.kernels.layout import FAN, KIND
 from tests.certificate.accused import Accused, accused
 
