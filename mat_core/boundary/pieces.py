@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from mat_core.boundary.bends import from_nearer_end, is_idle, tight_cut, total_turning, trimmed
 from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, place_part
 from mat_core.boundary.joints import end_frame
 from mat_core.kernels.bezier import balance, restrict
@@ -25,42 +26,9 @@ PI_WIDTH = 6
 PF_WIDTH = 16
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
+SHORTEST = 1e-9  # of the parameter; what is shorter is not halved, however much it turns
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
-IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
-AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
-TRIM = 2e-13  # a bend at an end of an edge that is shorter than this is cut off: no disc tells it from the vertex
-SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
-HAIRPIN = 0.1  # radians; what turns by less is no such bend
 UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
-TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
-SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
-
-
-@inner
-def _from_nearer_end(cp, c0, deg, rational, s):
-    """`bezier_frame` relative to the nearer end: a rational curve that stands still there has no speed left over by rounding.
-
-    Such a rest would be taken for a direction, and what it turns by for a bend.
-    """
-    near = c0 if s <= 0.5 else c0 + deg
-    return bezier_frame(cp, c0, deg, rational, s, cp[near, 0], cp[near, 1])
-
-
-@inner
-def total_turning(cp, c0, deg, rational, begin, end):
-    """Sum of the absolute turns of the tangent between nine parameters (pieces here have at most one inflection)."""
-    total = 0.0
-    px = py = 0.0
-    for step in range(9):
-        s = begin + 0.125 * step * (end - begin)
-        x, y, x1, y1, x2, y2 = _from_nearer_end(cp, c0, deg, rational, s)
-        if x1 == 0.0 and y1 == 0.0:
-            continue
-        if px != 0.0 or py != 0.0:
-            total += abs(math.atan2(px * y1 - py * x1, px * x1 + py * y1))
-        px = x1
-        py = y1
-    return total
 
 
 @inner
@@ -90,7 +58,7 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
     for side in range(2):
         s = begin if side == 0 else end
         if 0.0 < s < 1.0:
-            x, y, x1, y1, x2, y2 = _from_nearer_end(cp, c0, deg, rational, s)
+            x, y, x1, y1, x2, y2 = from_nearer_end(cp, c0, deg, rational, s)
             speed = math.sqrt(x1 * x1 + y1 * y1)
             if speed > 1e-9 * math.sqrt(x2 * x2 + y2 * y2):
                 tx = x1 / speed
@@ -103,96 +71,6 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
         pieces_f[row, P_FRAME + 3 * side] = tx
         pieces_f[row, P_FRAME + 3 * side + 1] = ty
         pieces_f[row, P_FRAME + 3 * side + 2] = k
-
-
-@inner
-def _apart(cp, c0, deg, rational, a, b):
-    """Distance of the points at two parameters."""
-    near = c0 if a + b <= 1.0 else c0 + deg
-    ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, a, cp[near, 0], cp[near, 1])
-    bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, b, cp[near, 0], cp[near, 1])
-    return math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
-
-
-@inner
-def _curvature(cp, c0, deg, rational, s):
-    """Curvature at s; infinite where the Bezier stands still."""
-    x, y, x1, y1, x2, y2 = _from_nearer_end(cp, c0, deg, rational, s)
-    speed = math.sqrt(x1 * x1 + y1 * y1)
-    return (x1 * y2 - y1 * x2) / (speed * speed * speed) if speed > 0.0 else math.inf
-
-
-@inner
-def _is_idle(cp, c0, deg, rational, a, b, rounding):
-    """Whether the part [a, b] is no piece of its own: it has no direction, or is short and its curvature rests."""
-    length = _apart(cp, c0, deg, rational, a, b)
-    if length < SHORT * rounding:
-        return True
-    if length > IDLE:
-        return False
-    k = _curvature(cp, c0, deg, rational, a)
-    return abs(_curvature(cp, c0, deg, rational, b) - k) <= AT_REST * abs(k) < math.inf
-
-
-@inner
-def _trimmed(cp, c0, deg, rational, end, roots, n_roots):
-    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_mended` brings it back to its vertex.
-
-    Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once.
-    """
-    tip = -1
-    for step in range(n_roots):
-        i = step if end == 0 else n_roots - 1 - step
-        if _apart(cp, c0, deg, rational, float(end), roots[i]) >= TRIM:
-            break
-        tip = i
-    p = c0 + deg * end
-    q = p + (1 - 2 * end)
-    handle = math.sqrt((cp[q, 0] - cp[p, 0]) ** 2 + (cp[q, 1] - cp[p, 1]) ** 2)
-    if tip < 0 and (handle == 0.0 or handle > SHORT_HANDLE):
-        return float(end)
-    near = roots[tip] if tip >= 0 else float(end)
-    far = 1.0 - end
-    beyond = tip + 1 if end == 0 else (tip if tip >= 0 else n_roots) - 1
-    if 0 <= beyond < n_roots:
-        far = roots[beyond]
-    for _ in range(60):
-        m = 0.5 * (near + far)
-        if _apart(cp, c0, deg, rational, float(end), m) < 2.0 * TRIM:
-            near = m
-        else:
-            far = m
-    turning = total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end)))
-    return far if turning > HAIRPIN else float(end)
-
-
-@inner
-def _tight_cut(cp, c0, deg, rational, begin, end):
-    """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`.
-
-    Cut again and again the parts grow away from the bend as its radius does: the parameter of none has too few digits there.
-    """
-    x, y, ax, ay, bx, by = _from_nearer_end(cp, c0, deg, rational, begin)
-    x, y, dx, dy, ex, ey = _from_nearer_end(cp, c0, deg, rational, end)
-    first = ax * ax + ay * ay
-    last = dx * dx + dy * dy
-    if first == 0.0 or last == 0.0:
-        return end
-    k0 = abs(ax * by - ay * bx) / (first * math.sqrt(first))
-    k1 = abs(dx * ey - dy * ex) / (last * math.sqrt(last))
-    half = 0.5 * math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)
-    if max(k0, k1) < TIGHT or max(k0, k1) < TIGHT * TIGHT * min(k0, k1) or abs(half) < SLIGHT:
-        return end
-    lo = begin
-    hi = end
-    for _ in range(60):
-        m = 0.5 * (lo + hi)
-        x, y, dx, dy, ex, ey = _from_nearer_end(cp, c0, deg, rational, m)
-        if abs(math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)) < abs(half):
-            lo = m
-        else:
-            hi = m
-    return lo if begin < lo < end else end
 
 
 @inner
@@ -252,6 +130,29 @@ def _chain(cp, c0, deg, pieces_i, pieces_f, first, longest, count):
 
 
 @inner
+def _gentle_end(cp, c0, deg, rational, begin, end, kind):
+    """How far a piece from `begin` on may go: it turns by little more than a right angle, and by no tight bend at an end."""
+    while end - begin > SHORTEST and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
+        end = begin + 0.5 * (end - begin)
+    while kind == SPIRAL:
+        cut_at = tight_cut(cp, c0, deg, rational, begin, end)
+        if not cut_at < end:
+            break
+        end = cut_at
+    return end
+
+
+@inner
+def _pace(pieces_f, p, begin, end, ua, ub, skew):
+    """The edge's parameter along the part [begin, end] of a Bezier, see `layout.SKEW`."""
+    before = skew * begin + (1.0 - begin)
+    after = skew * end + (1.0 - end)
+    pieces_f[p, P_UA] = ua + skew * begin / before * (ub - ua)
+    pieces_f[p, P_UB] = ub if end == 1.0 else ua + skew * end / after * (ub - ua)
+    pieces_f[p, P_SKEW] = before / after
+
+
+@inner
 def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table, work,
                 bounds, roots):
     """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small."""
@@ -271,8 +172,8 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
                 return -1, cp_used
     first = count
     gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
-    start = _trimmed(cp, c0, deg, rational, 0, roots, n_roots)
-    last = _trimmed(cp, c0, deg, rational, 1, roots, n_roots)
+    start = trimmed(cp, c0, deg, rational, 0, roots, n_roots)
+    last = trimmed(cp, c0, deg, rational, 1, roots, n_roots)
     if not start < last:
         start = 0.0
         last = 1.0
@@ -283,17 +184,10 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             stop = roots[cut]
             if stop - begin < gap or last - stop < gap:
                 continue
-            if _is_idle(cp, c0, deg, rational, begin, stop, rounding) or _is_idle(cp, c0, deg, rational, stop, last, rounding):
+            if is_idle(cp, c0, deg, rational, begin, stop, rounding) or is_idle(cp, c0, deg, rational, stop, last, rounding):
                 continue
         while begin < stop:
-            end = stop
-            while kind != LINE and end - begin > 1e-9 and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
-                end = begin + 0.5 * (end - begin)
-            while kind == SPIRAL:
-                cut_at = _tight_cut(cp, c0, deg, rational, begin, end)
-                if not cut_at < end:
-                    break
-                end = cut_at
+            end = stop if kind == LINE else _gentle_end(cp, c0, deg, rational, begin, stop, kind)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                 return -1, cp_used
             pieces_f[count, P_X], pieces_f[count, P_Y] = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
@@ -306,11 +200,7 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             pieces_i[count, P_RATIONAL] = rational
             pieces_i[count, P_EDGE] = edge
             pieces_i[count, P_SPAN] = span
-            before = skew * begin + (1.0 - begin)
-            after = skew * end + (1.0 - end)
-            pieces_f[count, P_UA] = ua + skew * begin / before * (ub - ua)
-            pieces_f[count, P_UB] = ub if end == 1.0 else ua + skew * end / after * (ub - ua)
-            pieces_f[count, P_SKEW] = before / after
+            _pace(pieces_f, count, begin, end, ua, ub, skew)
             pieces_f[count, P_CURVATURE] = k
             pieces_f[count, P_CENTRE_X] = cx
             pieces_f[count, P_CENTRE_Y] = cy

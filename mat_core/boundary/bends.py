@@ -1,0 +1,134 @@
+"""How a Bezier bends: by how much it turns, where it stands still, and bends at its ends that no disc tells from the vertex."""
+
+from __future__ import annotations
+
+import math
+
+from mat_core.boundary.curvature import SHORT
+from mat_core.kernels.curve import bezier_frame
+from mat_core.kernels.jit import inner
+
+IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
+AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
+TRIM = 2e-13  # a bend at an end of an edge that is shorter than this is cut off: no disc tells it from the vertex
+SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
+HAIRPIN = 0.1  # radians; what turns by less is no such bend
+TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
+SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
+
+
+@inner
+def from_nearer_end(cp, c0, deg, rational, s):
+    """`bezier_frame` relative to the nearer end: a rational curve that stands still there has no speed left over by rounding.
+
+    Such a rest would be taken for a direction, and what it turns by for a bend.
+    """
+    near = c0 if s <= 0.5 else c0 + deg
+    return bezier_frame(cp, c0, deg, rational, s, cp[near, 0], cp[near, 1])
+
+
+@inner
+def total_turning(cp, c0, deg, rational, begin, end):
+    """Sum of the absolute turns of the tangent between nine parameters (pieces here have at most one inflection)."""
+    total = 0.0
+    px = py = 0.0
+    for step in range(9):
+        s = begin + 0.125 * step * (end - begin)
+        x, y, x1, y1, x2, y2 = from_nearer_end(cp, c0, deg, rational, s)
+        if x1 == 0.0 and y1 == 0.0:
+            continue
+        if px != 0.0 or py != 0.0:
+            total += abs(math.atan2(px * y1 - py * x1, px * x1 + py * y1))
+        px = x1
+        py = y1
+    return total
+
+
+@inner
+def _apart(cp, c0, deg, rational, a, b):
+    """Distance of the points at two parameters."""
+    near = c0 if a + b <= 1.0 else c0 + deg
+    ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, a, cp[near, 0], cp[near, 1])
+    bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, b, cp[near, 0], cp[near, 1])
+    return math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+
+
+@inner
+def _curvature(cp, c0, deg, rational, s):
+    """Curvature at s; infinite where the Bezier stands still."""
+    x, y, x1, y1, x2, y2 = from_nearer_end(cp, c0, deg, rational, s)
+    speed = math.sqrt(x1 * x1 + y1 * y1)
+    return (x1 * y2 - y1 * x2) / (speed * speed * speed) if speed > 0.0 else math.inf
+
+
+@inner
+def is_idle(cp, c0, deg, rational, a, b, rounding):
+    """Whether the part [a, b] is no piece of its own: it has no direction, or is short and its curvature rests."""
+    length = _apart(cp, c0, deg, rational, a, b)
+    if length < SHORT * rounding:
+        return True
+    if length > IDLE:
+        return False
+    k = _curvature(cp, c0, deg, rational, a)
+    return abs(_curvature(cp, c0, deg, rational, b) - k) <= AT_REST * abs(k) < math.inf
+
+
+@inner
+def trimmed(cp, c0, deg, rational, end, roots, n_roots):
+    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_mended` brings it back to its vertex.
+
+    Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once.
+    """
+    tip = -1
+    for step in range(n_roots):
+        i = step if end == 0 else n_roots - 1 - step
+        if _apart(cp, c0, deg, rational, float(end), roots[i]) >= TRIM:
+            break
+        tip = i
+    p = c0 + deg * end
+    q = p + (1 - 2 * end)
+    handle = math.sqrt((cp[q, 0] - cp[p, 0]) ** 2 + (cp[q, 1] - cp[p, 1]) ** 2)
+    if tip < 0 and (handle == 0.0 or handle > SHORT_HANDLE):
+        return float(end)
+    near = roots[tip] if tip >= 0 else float(end)
+    far = 1.0 - end
+    beyond = tip + 1 if end == 0 else (tip if tip >= 0 else n_roots) - 1
+    if 0 <= beyond < n_roots:
+        far = roots[beyond]
+    for _ in range(60):
+        m = 0.5 * (near + far)
+        if _apart(cp, c0, deg, rational, float(end), m) < 2.0 * TRIM:
+            near = m
+        else:
+            far = m
+    turning = total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end)))
+    return far if turning > HAIRPIN else float(end)
+
+
+@inner
+def tight_cut(cp, c0, deg, rational, begin, end):
+    """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`.
+
+    Cut again and again the parts grow away from the bend as its radius does: the parameter of none has too few digits there.
+    """
+    x, y, ax, ay, bx, by = from_nearer_end(cp, c0, deg, rational, begin)
+    x, y, dx, dy, ex, ey = from_nearer_end(cp, c0, deg, rational, end)
+    first = ax * ax + ay * ay
+    last = dx * dx + dy * dy
+    if first == 0.0 or last == 0.0:
+        return end
+    k0 = abs(ax * by - ay * bx) / (first * math.sqrt(first))
+    k1 = abs(dx * ey - dy * ex) / (last * math.sqrt(last))
+    half = 0.5 * math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)
+    if max(k0, k1) < TIGHT or max(k0, k1) < TIGHT * TIGHT * min(k0, k1) or abs(half) < SLIGHT:
+        return end
+    lo = begin
+    hi = end
+    for _ in range(60):
+        m = 0.5 * (lo + hi)
+        x, y, dx, dy, ex, ey = from_nearer_end(cp, c0, deg, rational, m)
+        if abs(math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)) < abs(half):
+            lo = m
+        else:
+            hi = m
+    return lo if begin < lo < end else end
