@@ -64,6 +64,8 @@ from mat_core.kernels.jit import inner
 Floats = NDArray[np.float64]
 
 TINY = 1e-11  # a chord this short is not cut any more, nor is an interval this short relative to the whole strip
+SHORT_FOR_DISCS = 4.0  # times its length over its radius: the share of the tolerance for a stretch, at most all of it
+STRICTEST = 0.01  # and at least this
 SHORT = 0.25  # nor is a chord this short relative to the tolerance: drawn straight it is near enough
 LEAST_CUT, MOST_CUT = 0.1, 0.9  # range of the share that a piece is shortened to
 BESIDE = 0.08  # of the wanted length, from a disc between strips: the piece ends there
@@ -200,6 +202,18 @@ def _next_start(track: Track, end: int, ends: Floats) -> None:
 
 
 @inner
+def _strictness(track: Track, begin: int, end: int) -> float:
+    """Share of the tolerance for a stretch that is short for its discs: where they touch is told by how fast the radius changes."""
+    first = track.strip_i[begin, 2]
+    last = track.strip_i[end - 1, 3]
+    length = 0.0
+    for c in range(3):
+        length = max(length, abs(track.disc[last, c] - track.disc[first, c]))
+    radius = max(track.disc[first, 2], track.disc[last, 2])
+    return min(max(SHORT_FOR_DISCS * length / radius, STRICTEST), 1.0) if radius > 0.0 else 1.0
+
+
+@inner
 def free_stretch(
     track: Track, scratch: Scratch, pieces: Pieces, begin: int, end: int, flip: int, tolerance: float,
     count: int,
@@ -215,6 +229,7 @@ def free_stretch(
     ends = scratch.ends
     waiting = scratch.waiting
     put_disc(track, begin, 0, ends, 0)
+    tolerance *= _strictness(track, begin, end)
     put_disc(track, end - 1, 1, waiting, 0)
     left = int(np.int64(1))  # not a literal: each literal would be compiled for once more
     p = count

@@ -207,16 +207,19 @@ def test_progress_is_told_to_who_asks() -> None:
 def test_a_small_request_that_takes_long_leaves_the_small_lane_and_the_next_one_too() -> None:
     async def scenario(pool: Pool) -> None:
         await pid_of(pool)
-        long = [asyncio.create_task(pool.solve({}, order("work", seconds=2.0))) for _ in range(2)]
-        await eventually_in_loop(lambda: pool.stats().running["middle"] == 2)
+        # so long that a busy machine has both at it at the same time; they are dismissed when that was seen
+        long = [asyncio.create_task(pool.solve({}, order("work", seconds=60.0))) for _ in range(2)]
+        await eventually_in_loop(lambda: pool.stats().running["middle"] == 2, 60.0)
         await pid_of(pool)
-        await eventually_in_loop(lambda: pool.stats().running["long"] == 2)
+        await eventually_in_loop(lambda: pool.stats().running["long"] == 2, 60.0)
         await pid_of(pool)
-        assert not all(task.done() for task in long)
-        assert all(isinstance(reply, Reply) for reply in await asyncio.gather(*long))
+        assert not any(task.done() for task in long)
         assert pool.stats().kills["preempted"] == 0
+        for task in long:
+            task.cancel()
+        await asyncio.gather(*long, return_exceptions=True)
 
-    with_pool(scenario)
+    with_pool(scenario, deadline_seconds=200.0)
 
 
 def test_who_does_not_work_does_not_leave_its_lane() -> None:
@@ -244,7 +247,7 @@ def test_one_too_many_of_them_begins_again_when_its_turn_comes() -> None:
         replies = await asyncio.gather(*long)
         assert all(reply.body == order("work", seconds=0.9) for reply in replies)
 
-    with_pool(scenario, workers=1)
+    with_pool(scenario, workers=1, deadline_seconds=200.0)
 
 
 @pytest.mark.parametrize("priority", ["idle", "low", "normal"])
