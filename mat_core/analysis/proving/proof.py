@@ -39,8 +39,8 @@ from mat_core.kernels.layout import CURVATURE_LEAF
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-CUTS = 4  # of each half of a part
-FINER_CUTS = 16  # where that proves less than is stated: enclosures are looser by 1 / cuts^2
+CUTS = 4  # cells of each half of a part
+HALVINGS = 4  # of a cell that proves less than is stated: enclosures are tighter by a quarter to a half after each
 SMALLEST = 1e-13  # normalised: a radius this small is none, a disc this near to another is it
 LARGEST_BEND = 0.2  # k above
 
@@ -94,23 +94,21 @@ def prove_errors(axis: MedialAxis) -> ProvenErrors:
     segment = c.part_segment[part]
     stated = c.max_error[segment]
     bound = np.full(len(part), np.inf)
-    for cuts in (CUTS, FINER_CUTS):
-        wanted = np.flatnonzero(np.isfinite(bound) & (bound > stated) if cuts == FINER_CUTS else stated >= 0.0)
-        for n in np.unique(degree[part[wanted]]).tolist():
-            own = wanted[degree[part[wanted]] == n]
-            bound[own] = _whole(axis, c.part_i[part[own], 1], rows[part[own], : n + 1, :3], cuts)
+    for n in np.unique(degree[part]).tolist():
+        own = np.flatnonzero(degree[part] == n)
+        bound[own] = _whole(axis, c.part_i[part[own], 1], rows[part[own], : n + 1, :3], stated[own])
     scale = axis.table.scale
     return ProvenErrors(segment, bound / scale, stated / scale)
 
 
-def _whole(axis: MedialAxis, strip: Ints, disc: Floats, cuts: int) -> Floats:
+def _whole(axis: MedialAxis, strip: Ints, disc: Floats, stated: Floats) -> Floats:
     """(R,) bounds over parts with Bernstein coefficients x, y, r: both halves, each from its outer end inwards."""
     none = np.zeros(len(strip))
     first, second = restrict(disc, none, none + 0.5), restrict(disc, none + 0.5, none + 1.0)[:, ::-1]
-    return np.maximum(_half(axis, strip, first, cuts), _half(axis, strip, second, cuts))
+    return np.maximum(_half(axis, strip, first, stated), _half(axis, strip, second, stated))
 
 
-def _half(axis: MedialAxis, strip: Ints, disc: Floats, cuts: int) -> Floats:
+def _half(axis: MedialAxis, strip: Ints, disc: Floats, stated: Floats) -> Floats:
     """(R,) bounds over halves of parts that begin (v = 0) where the part ends."""
     k = axis.skeleton
     kind = np.full(len(strip), PLAIN)
@@ -126,10 +124,27 @@ def _half(axis: MedialAxis, strip: Ints, disc: Floats, cuts: int) -> Floats:
         if one == LEAF:
             squared = np.tile([0.0, 0.0, 1.0], (len(rows), 1))  # v^2
             curve = np.stack([compose(curve[:, :, i], squared) for i in range(3)], axis=2)
-        for cut in range(cuts):
-            lo = np.full(len(rows), cut / cuts)
-            found = _bound(axis, strip[rows], restrict(curve, lo, lo + 1.0 / cuts), one if cut == 0 else PLAIN)
-            bound[rows] = np.maximum(bound[rows], found)
+        bound[rows] = _cut(axis, strip[rows], curve, one, stated[rows])
+    return bound
+
+
+def _cut(axis: MedialAxis, strip: Ints, curve: Floats, kind: int, stated: Floats) -> Floats:
+    """(R,) bounds over 0 <= v <= 1 in cells: those that prove less than is stated are halved."""
+    bound = np.zeros(len(strip))
+    row = np.repeat(np.arange(len(strip)), CUTS)
+    low = np.tile(np.arange(CUTS) / CUTS, len(strip))
+    known = np.full(len(row), np.inf)
+    for halving in range(HALVINGS + 1):
+        width = 0.5**halving / CUTS
+        for first in (False, True):
+            own = np.flatnonzero((low == 0.0) == first)
+            if len(own):
+                cell = restrict(curve[row[own]], low[own], low[own] + width)
+                found = _bound(axis, strip[row[own]], cell, kind if first else PLAIN)
+                known[own] = np.minimum(known[own], found)  # what holds for a cell holds for its halves
+        more = (known > stated[row]) & (halving < HALVINGS)
+        np.maximum.at(bound, row[~more], known[~more])
+        row, known, low = np.tile(row[more], 2), np.tile(known[more], 2), np.concatenate((low[more], low[more] + 0.5 * width))
     return bound
 
 
