@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.analysis.bernstein import product, restrict
-from mat_core.analysis.proving.polynomials import cells, compose, over_power, total
+from mat_core.analysis.proving.polynomials import cells, compose, over_power, total, wide
 from mat_core.analysis.proving.sides import LEAF, PLAIN, VERTEX, Side, side_of
 from mat_core.analysis.spans import cut_parts
 from mat_core.axis import MedialAxis
@@ -123,7 +123,7 @@ def _half(axis: MedialAxis, strip: Ints, disc: Floats, stated: Floats) -> Floats
         curve = disc[rows]
         if one == LEAF:
             squared = np.tile([0.0, 0.0, 1.0], (len(rows), 1))  # v^2
-            curve = np.stack([compose(curve[:, :, i], squared) for i in range(3)], axis=2)
+            curve = np.stack([compose(wide(curve[:, :, i]), squared) for i in range(3)], axis=2)
         bound[rows] = _cut(axis, strip[rows], curve, one, stated[rows])
     return bound
 
@@ -139,8 +139,9 @@ def _cut(axis: MedialAxis, strip: Ints, curve: Floats, kind: int, stated: Floats
         for first in (False, True):
             own = np.flatnonzero((low == 0.0) == first)
             if len(own):
-                cell = restrict(curve[row[own]], low[own], low[own] + width)
-                found = _bound(axis, strip[row[own]], cell, kind if first else PLAIN)
+                at = kind if first else PLAIN
+                rows = curve[row[own]] if at == LEAF else curve[row[own]].astype(float)
+                found = _bound(axis, strip[row[own]], restrict(rows, low[own], low[own] + width), at)
                 known[own] = np.minimum(known[own], found)  # what holds for a cell holds for its halves
         more = (known > stated[row]) & (halving < HALVINGS)
         np.maximum.at(bound, row[~more], known[~more])

@@ -230,7 +230,16 @@ def _feet(
     grid = low + (high - low) * np.linspace(0.0, 1.0, GRID)
     w = values(weight, grid)
     px, py = values(own[0], grid) / w, values(own[1], grid) / w
-    nearest = np.hypot(cx[:, :, None] - px[:, None], cy[:, :, None] - py[:, None]).argmin(axis=2)
+    dx, dy = cx[:, :, None] - px[:, None], cy[:, :, None] - py[:, None]
+    apart = np.hypot(dx, dy)
+    nearest = apart.argmin(axis=2)
+    # a vertex at the end of the interval may be as near, and the foot of a centre of curvature is where the distance is largest
+    before = dx * values(tangent[0], grid)[:, None] + dy * values(tangent[1], grid)[:, None] > 0.0
+    least = before[:, :, :-1] & ~before[:, :, 1:]
+    between = np.where(least, np.minimum(apart[:, :, :-1], apart[:, :, 1:]), np.inf).argmin(axis=2)
+    between += np.take_along_axis(apart, between[:, :, None] + 1, axis=2)[:, :, 0] < np.take_along_axis(
+        apart, between[:, :, None], axis=2)[:, :, 0]  # fmt: skip
+    nearest = np.where(least.any(axis=2), between, nearest)
     if kind == LEAF:
         nearest = np.clip(nearest, 1, GRID - 2)  # the centre of curvature's own foot is where the distance is stationary, too
     s = np.take_along_axis(grid, nearest, axis=1)
