@@ -147,8 +147,8 @@ def _cut(axis: MedialAxis, strip: Ints, curve: Floats, kind: int, stated: Floats
             own = np.flatnonzero((low == 0.0) == first)
             if len(own):
                 at = kind if first else PLAIN
-                rows = curve[row[own]] if at == LEAF else curve[row[own]].astype(float)
-                found = _bound(axis, strip[row[own]], restrict(rows, low[own], low[own] + width), at)
+                whole = curve[row[own]] if at == LEAF else curve[row[own]].astype(float)
+                found = _bound(axis, strip[row[own]], restrict(whole, low[own], low[own] + width), at)
                 known[own] = np.minimum(known[own], found)  # what holds for a cell holds for its halves
         more = (known > stated[row]) & (halving < HALVINGS)
         np.maximum.at(bound, row[~more], known[~more])

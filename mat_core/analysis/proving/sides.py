@@ -228,7 +228,7 @@ def _feet(
     cx, cy = values(x, at), values(y, at)
     low, high = interval.min(axis=1)[:, None], interval.max(axis=1)[:, None]
     grid = low + (high - low) * np.linspace(0.0, 1.0, GRID)
-    nearest = _nearest(own, weight, tangent, grid, cx, cy)
+    nearest = least_places(own, weight, tangent, grid, cx, cy)
     if kind == LEAF:
         nearest = np.clip(nearest, 1, GRID - 2)  # the centre of curvature's own foot is where the distance is stationary, too
     s = np.take_along_axis(grid, nearest, axis=1)
@@ -248,7 +248,9 @@ def _feet(
     return through(s)
 
 
-def _nearest(own: list[Floats], weight: Floats, tangent: list[Floats], grid: Floats, cx: Floats, cy: Floats) -> Ints:
+def least_places(
+    own: list[Floats], weight: Floats, tangent: list[Floats], grid: Floats, cx: Floats, cy: Floats
+) -> Ints:
     """(R, k) the place of a grid (R, g) that is nearest to each centre (R, k), among those where the distance has a minimum.
 
     A vertex at the end of an interval may be as near as the foot, and beside the foot of a centre of curvature the distance is
