@@ -31,7 +31,7 @@ def product(a: Floats, b: Floats) -> Floats:
     """Products of rows (m, p + 1) and (m, q + 1): (m, p + q + 1)."""
     p, q = a.shape[1] - 1, b.shape[1] - 1
     left, right = a * binomials(p), b * binomials(q)
-    out = np.zeros((len(a), p + q + 1))
+    out = np.zeros((len(a), p + q + 1), dtype=np.result_type(a, b))
     for i in range(p + 1):
         out[:, i : i + q + 1] += left[:, i : i + 1] * right
     out /= binomials(p + q)

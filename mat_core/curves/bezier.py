@@ -57,7 +57,8 @@ def write_fit(scratch: Scratch, m: int, out: Floats, row: int) -> None:
 def straight(scratch: Scratch, row: int, m: int, out: Floats, to: int) -> float:
     """The last resort on a tiny interval: the chord itself; returns its error.
 
-    That is how far the sample in `row` is from it, and its length where that could be a jump of the axis.
+    Its ends are true discs, and no point of it is farther from both than half its length: in the norm that is sqrt(2) times as
+    much. It is no less than how far the sample in `row` is off, and than the length where that could be a jump of the axis.
     """
     samples = scratch.samples
     ends = scratch.ends
@@ -74,7 +75,7 @@ def straight(scratch: Scratch, row: int, m: int, out: Floats, to: int) -> float:
         gap = samples[row, 1 + c] - ((1.0 - t) * p + t * q)
         off += gap * gap
         dd += (q - p) * (q - p)
-    return max(math.sqrt(2.0 * off), math.sqrt(dd) if dd > LOST * LOST else 0.0)
+    return max(math.sqrt(2.0 * off), math.sqrt(dd if dd > LOST * LOST else 0.5 * dd))
 
 
 @inner

@@ -40,7 +40,8 @@ from mat_core.tracing.locate import locate
 
 Wide = np.ndarray[Any, Any]
 STEPS = 12
-CONVERGED = 1e-17
+CONVERGED = 1e-17  # last step of r
+SETTLED = 1e-8  # and of the footpoints' parameters
 
 
 def _bezier(control: Wide, s: Wide) -> tuple[Wide, Wide, Wide]:
@@ -103,7 +104,7 @@ def off_axis(axis: MedialAxis, segment: Wide, t: Wide) -> Wide:
     d = (disc[:, 3:] / np.linalg.norm(disc[:, 3:], axis=1)[:, None]).astype(np.longdouble)
     sites, s = _footpoints(axis, segment, t)
     r = x[:, 2].copy()
-    moved = np.full(len(t), np.inf)
+    moved, step = np.full(len(t), np.inf), np.full((2, len(t)), np.inf)
     for _ in range(STEPS):
         (a, na, a1, na1), (b, nb, b1, nb1) = (frames(table, site, at) for site, at in zip(sites, s, strict=True))
         column = np.zeros((4, len(t), 3), np.longdouble)
@@ -115,14 +116,16 @@ def off_axis(axis: MedialAxis, segment: Wide, t: Wide) -> Wide:
         column[3, :, 2] = ((c - x[:, :2]) * d[:, :2]).sum(axis=1) + (r - x[:, 2]) * d[:, 2]
         with np.errstate(invalid="ignore", divide="ignore"):
             det = _det(column[0], column[1], column[2])
-            s[0] -= _det(column[3], column[1], column[2]) / det
-            s[1] -= _det(column[0], column[3], column[2]) / det
+            step = np.stack([_det(column[3], column[1], column[2]), _det(column[0], column[3], column[2])]) / det
+            s -= step
             moved = _det(column[0], column[1], column[3]) / det
             r = r - moved
     p, n, _, _ = frames(table, sites[0], s[0])
     off = np.linalg.norm(np.column_stack([p + r[:, None] * n, r]) - x, axis=1)
     inside = np.all((s > -1e-9) & (s < 1 + 1e-9), axis=0)
-    return np.where((np.abs(moved) < CONVERGED) & inside, off, np.nan).astype(float)
+    # beside a disc where both footpoints meet the equations are nearly dependent: they may wander while r rests
+    settled = np.all(np.abs(step) < SETTLED, axis=0)
+    return np.where((np.abs(moved) < CONVERGED) & settled & inside, off, np.nan).astype(float)
 
 
 def _det(a: Wide, b: Wide, c: Wide) -> Wide:

@@ -15,6 +15,7 @@ from mat_core import Domain, MedialAxis, medial_axis
 from tests.curves.oracle import off_axis
 from tests.curves.shapes import shape
 from tests.families import smooth
+from tests.hunt.draw import draw
 from tests.reference import Reference
 
 Json = dict[str, Any]
@@ -80,3 +81,17 @@ def test_outlines(tolerance: float) -> None:
     for n, content in enumerate(outlines()):
         axis, oracle = solved(content, tolerance)
         assert_bounded(axis, oracle, 50, n)
+
+
+def test_a_chord_drawn_straight_states_how_far_its_ends_are() -> None:
+    # a quarter of a circle with noise of 1e-10: the leaf and the axis beside it are 2e-10 apart, and one sample told 3e-12 of it
+    drawn = draw("noise_arc_circle", 300)
+    axis = medial_axis(Domain.from_dict({"outer": drawn["outer"], "holes": drawn.get("holes", [])}), tolerance=1e-9)
+    c = axis.curves
+    part = np.flatnonzero(c.part_i[:, 3] == 4)
+    t = c.part_f[part, :1] + (c.part_f[part, 1:2] - c.part_f[part, :1]) * np.linspace(0.001, 0.999, 101)
+    segment = np.repeat(c.part_segment[part], t.shape[1])
+    off = off_axis(axis, segment, t.reshape(-1))
+    known = np.isfinite(off)
+    assert known.sum() > 100
+    assert (off <= c.max_error[segment])[known].all()

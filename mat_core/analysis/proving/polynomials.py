@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,12 @@ Floats = NDArray[np.float64]
 
 HALVINGS = 3  # of [0, 1] before coefficients are taken for values: they are then nearer to them by 64
 VANISHES = 1e-13  # a coefficient this small is zero but for rounding; normalised coordinates
+WIDEST: Any = np.longdouble  # 80 bits with most processors, nowhere less than 64
+
+
+def wide(rows: Floats) -> Floats:
+    """The same polynomials in the widest floats there are: division by v^k multiplies rounding by binomials, up to 1e6."""
+    return np.asarray(rows, dtype=WIDEST)
 
 
 def raised(rows: Floats, degree: int) -> Floats:
@@ -63,11 +70,12 @@ def through(wanted: Floats) -> Floats:
 
 
 def over_power(rows: Floats, power: int) -> tuple[Floats, NDArray[np.bool_]]:
-    """(rows / v^power, whether each vanishes at 0 so often, but for rounding)."""
-    good = np.abs(rows[:, :power]).max(axis=1, initial=0.0) <= VANISHES
+    """(rows / v^power, whether each vanishes at 0 so often, but for rounding, which is taken off as a constant each time)."""
+    good = np.ones(len(rows), dtype=bool)
     for _ in range(power):
         n = rows.shape[1] - 1
-        rows = rows[:, 1:] * (n / np.arange(1, n + 1))
+        good &= np.abs(rows[:, 0]) <= VANISHES
+        rows = (rows[:, 1:] - rows[:, :1]) * (n / np.arange(1, n + 1))
     return rows, good
 
 

@@ -5,18 +5,24 @@ n_i their gradients, the unit normals at the feet. With what `sides` tells of e_
 
     S = |n_1 - n_2| / 2,  the sine of half the angle between the normals,   t0 = |e_1 - e_2| / (2 S).
 
-Along u = (n_1 - n_2) / |n_1 - n_2| the difference g_1 - g_2 is e_1 - e_2 at c and grows by 2 S, less B t if B bounds the second
-derivatives of g_1 and g_2 together. So with k = 5/4 B t0 / (2 S) <= 1/5 it vanishes within t0 / (1 - k): there a true axis
-point stands, and its radius is |e_1 + e_2| / 2 + B t0^2 at most from r. For every v
+C is the cosine of that angle, a = |e_1 + e_2| / 2, and B bounds the second derivatives of g_1 and g_2 together. From c the radius
+is changed along n_1 + n_2, at the rate C, and g_1 - g_2 along u = (n_1 - n_2) / |n_1 - n_2|, at the rate 2 S. Go by up to l along
+the one, so that r is met or nearer by C l; then along the other to where g_1 = g_2: with
 
-    |F - true axis|  <=  t0 / (1 - k) + |e_1 + e_2| / 2 + B t0^2        in the norm |(x, y)| + |r|.
+    D = max(t0, l),   k = 0.61 B D / S <= 1/5,   that is within t0 + k D <= 1.2 D,   for   (l^2 + (1.2 D)^2) B / 4 S <= k D.
+
+There a true axis point stands. For every v and any l
+
+    |F - true axis|  <=  hypot(t0 + k D, l) + max(0, a - C l) + 0.61 B D^2        in the norm |(x, y)| + |r|,
+
+which is least about where l = min(a / C, t0 C / S).
 
 All are quotients of polynomials but for what `sides` bounds, and enclosed on cells of [0, 1] by their Bernstein coefficients.
 At a centre of curvature, where S ~ v, the powers of v in e ~ v^4, S ~ v, B ~ 1 / v^2 leave bounds of the same form: `sides`
 has divided them out, and v^3 is at most one.
 
-B is twice what the second derivatives are at c: that they do not double on the way of t0 is the one thing here that is not
-enclosed; k says that t0 is a fifth of S times their radius of curvature at most. Which sides a disc touches is not asked here
+B is twice what the second derivatives are at c: that they do not double on this way is the one thing here that is not
+enclosed; k says that D is a sixth of S times their radius of curvature at most. Which sides a disc touches is not asked here
 but by the certificate.
 """
 
@@ -29,7 +35,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.analysis.bernstein import product, restrict
-from mat_core.analysis.proving.polynomials import cells, compose, over_power, total
+from mat_core.analysis.proving.polynomials import cells, compose, over_power, total, wide
 from mat_core.analysis.proving.sides import LEAF, PLAIN, VERTEX, Side, side_of
 from mat_core.analysis.spans import cut_parts
 from mat_core.axis import MedialAxis
@@ -39,10 +45,11 @@ from mat_core.kernels.layout import CURVATURE_LEAF
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-CUTS = 4  # of each half of a part
-FINER_CUTS = 16  # where that proves less than is stated: enclosures are looser by 1 / cuts^2
+CUTS = 4  # cells of each half of a part
+HALVINGS = 4  # of a cell that proves less than is stated: enclosures are tighter by a quarter to a half after each
 SMALLEST = 1e-13  # normalised: a radius this small is none, a disc this near to another is it
 LARGEST_BEND = 0.2  # k above
+SECOND = 0.61  # (1 + 1.2^2) / 4 above
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,23 +101,21 @@ def prove_errors(axis: MedialAxis) -> ProvenErrors:
     segment = c.part_segment[part]
     stated = c.max_error[segment]
     bound = np.full(len(part), np.inf)
-    for cuts in (CUTS, FINER_CUTS):
-        wanted = np.flatnonzero(np.isfinite(bound) & (bound > stated) if cuts == FINER_CUTS else stated >= 0.0)
-        for n in np.unique(degree[part[wanted]]).tolist():
-            own = wanted[degree[part[wanted]] == n]
-            bound[own] = _whole(axis, c.part_i[part[own], 1], rows[part[own], : n + 1, :3], cuts)
+    for n in np.unique(degree[part]).tolist():
+        own = np.flatnonzero(degree[part] == n)
+        bound[own] = _whole(axis, c.part_i[part[own], 1], rows[part[own], : n + 1, :3], stated[own])
     scale = axis.table.scale
     return ProvenErrors(segment, bound / scale, stated / scale)
 
 
-def _whole(axis: MedialAxis, strip: Ints, disc: Floats, cuts: int) -> Floats:
+def _whole(axis: MedialAxis, strip: Ints, disc: Floats, stated: Floats) -> Floats:
     """(R,) bounds over parts with Bernstein coefficients x, y, r: both halves, each from its outer end inwards."""
     none = np.zeros(len(strip))
     first, second = restrict(disc, none, none + 0.5), restrict(disc, none + 0.5, none + 1.0)[:, ::-1]
-    return np.maximum(_half(axis, strip, first, cuts), _half(axis, strip, second, cuts))
+    return np.maximum(_half(axis, strip, first, stated), _half(axis, strip, second, stated))
 
 
-def _half(axis: MedialAxis, strip: Ints, disc: Floats, cuts: int) -> Floats:
+def _half(axis: MedialAxis, strip: Ints, disc: Floats, stated: Floats) -> Floats:
     """(R,) bounds over halves of parts that begin (v = 0) where the part ends."""
     k = axis.skeleton
     kind = np.full(len(strip), PLAIN)
@@ -125,11 +130,29 @@ def _half(axis: MedialAxis, strip: Ints, disc: Floats, cuts: int) -> Floats:
         curve = disc[rows]
         if one == LEAF:
             squared = np.tile([0.0, 0.0, 1.0], (len(rows), 1))  # v^2
-            curve = np.stack([compose(curve[:, :, i], squared) for i in range(3)], axis=2)
-        for cut in range(cuts):
-            lo = np.full(len(rows), cut / cuts)
-            found = _bound(axis, strip[rows], restrict(curve, lo, lo + 1.0 / cuts), one if cut == 0 else PLAIN)
-            bound[rows] = np.maximum(bound[rows], found)
+            curve = np.stack([compose(wide(curve[:, :, i]), squared) for i in range(3)], axis=2)
+        bound[rows] = _cut(axis, strip[rows], curve, one, stated[rows])
+    return bound
+
+
+def _cut(axis: MedialAxis, strip: Ints, curve: Floats, kind: int, stated: Floats) -> Floats:
+    """(R,) bounds over 0 <= v <= 1 in cells: those that prove less than is stated are halved."""
+    bound = np.zeros(len(strip))
+    row = np.repeat(np.arange(len(strip)), CUTS)
+    low = np.tile(np.arange(CUTS) / CUTS, len(strip))
+    known = np.full(len(row), np.inf)
+    for halving in range(HALVINGS + 1):
+        width = 0.5**halving / CUTS
+        for first in (False, True):
+            own = np.flatnonzero((low == 0.0) == first)
+            if len(own):
+                at = kind if first else PLAIN
+                whole = curve[row[own]] if at == LEAF else curve[row[own]].astype(float)
+                found = _bound(axis, strip[row[own]], restrict(whole, low[own], low[own] + width), at)
+                known[own] = np.minimum(known[own], found)  # what holds for a cell holds for its halves
+        more = (known > stated[row]) & (halving < HALVINGS)
+        np.maximum.at(bound, row[~more], known[~more])
+        row, known, low = np.tile(row[more], 2), np.tile(known[more], 2), np.concatenate((low[more], low[more] + 0.5 * width))
     return bound
 
 
@@ -147,15 +170,17 @@ def _of_pair(right: Side, left: Side, row: int, kind: int) -> float:
     (ax, ay, am, ao, au), (bx, by, bm, bo, bu) = (
         (s.x[row][None], s.y[row][None], s.m[row][None], s.off[row][None], s.over[row][None]) for s in (right, left)
     )
-    apart = [total(product(a, bm), product(b, am), -1.0) for a, b in ((ax, bx), (ay, by))]
+    apart, together = (
+        [total(product(a, bm), product(b, am), sign) for a, b in ((ax, bx), (ay, by))] for sign in (-1.0, 1.0)
+    )
     if kind == LEAF:
         both = [over_power(p, 1) for p in apart]
         if not all(bool(fits[0]) for _, fits in both):
             return np.inf
         apart = [p for p, _ in both]
-    square = cells(product(apart[0], apart[0]) + product(apart[1], apart[1]))[0].min(axis=1)
     most = np.abs(cells(product(am, bm))[0]).max(axis=1)
-    sine = 0.5 * np.sqrt(np.maximum(square, 0.0)) / most - 0.5 * float(right.astray[row] + left.astray[row])
+    astray = 0.5 * float(right.astray[row] + left.astray[row])
+    sine, cosine = (0.5 * _least_length(p) / most - astray for p in (apart, together))
     over = cells(product(au, bu))[0].min(axis=1)
     if not (sine > 0.0).all() or not (over > 0.0).all():
         return np.inf
@@ -164,9 +189,18 @@ def _of_pair(right: Side, left: Side, row: int, kind: int) -> float:
     difference, mean = (
         np.abs(cells(total(*cross, sign))[0]).max(axis=1) / over + slack for sign in (-1.0, 1.0)
     )
-    moved = difference / (2.0 * sine)
     bend = 2.0 * float(right.bend[row] + left.bend[row])
-    lost = 0.625 * bend * moved / sine
+    moved, off = difference / (2.0 * sine), 0.5 * mean
+    cosine = np.maximum(cosine, 0.0)
+    along = np.minimum(np.divide(off, cosine, out=np.zeros_like(off), where=cosine > 0.0), moved * cosine / sine)
+    way = np.maximum(moved, along)
+    lost = SECOND * bend * way / sine
     if not (lost <= LARGEST_BEND).all():
         return np.inf
-    return float((moved / (1.0 - lost) + 0.5 * mean + bend * moved * moved).max())
+    return float((np.hypot(moved + lost * way, along) + np.maximum(off - cosine * along, 0.0) + SECOND * bend * way * way).max())
+
+
+def _least_length(vector: list[Floats]) -> Floats:
+    """(cells,) bounds from below of the length of a vector of two polynomials, one row each."""
+    square = product(vector[0], vector[0]) + product(vector[1], vector[1])
+    return np.asarray(np.sqrt(np.maximum(cells(square)[0].min(axis=1), 0.0)))

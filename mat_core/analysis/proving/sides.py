@@ -228,9 +228,7 @@ def _feet(
     cx, cy = values(x, at), values(y, at)
     low, high = interval.min(axis=1)[:, None], interval.max(axis=1)[:, None]
     grid = low + (high - low) * np.linspace(0.0, 1.0, GRID)
-    w = values(weight, grid)
-    px, py = values(own[0], grid) / w, values(own[1], grid) / w
-    nearest = np.hypot(cx[:, :, None] - px[:, None], cy[:, :, None] - py[:, None]).argmin(axis=2)
+    nearest = least_places(own, weight, tangent, grid, cx, cy)
     if kind == LEAF:
         nearest = np.clip(nearest, 1, GRID - 2)  # the centre of curvature's own foot is where the distance is stationary, too
     s = np.take_along_axis(grid, nearest, axis=1)
@@ -248,3 +246,23 @@ def _feet(
         # where both sides meet the foot is the end of the interval that is nearer
         s[:, 0] = np.where(s[:, 1] - low[:, 0] < high[:, 0] - s[:, 1], low[:, 0], high[:, 0])
     return through(s)
+
+
+def least_places(
+    own: list[Floats], weight: Floats, tangent: list[Floats], grid: Floats, cx: Floats, cy: Floats
+) -> Ints:
+    """(R, k) the place of a grid (R, g) that is nearest to each centre (R, k), among those where the distance has a minimum.
+
+    A vertex at the end of an interval may be as near as the foot, and beside the foot of a centre of curvature the distance is
+    stationary, too. Where it has no minimum on the grid, any place may be the nearest.
+    """
+    w = values(weight, grid)
+    dx = cx[:, :, None] - (values(own[0], grid) / w)[:, None]
+    dy = cy[:, :, None] - (values(own[1], grid) / w)[:, None]
+    apart = np.hypot(dx, dy)
+    nearing = dx * values(tangent[0], grid)[:, None] + dy * values(tangent[1], grid)[:, None] > 0.0
+    turn = nearing[:, :, :-1] & ~nearing[:, :, 1:]
+    never = np.zeros_like(turn[:, :, :1])
+    least = np.concatenate((turn, never), axis=2) | np.concatenate((never, turn), axis=2)
+    among = np.where(least | ~least.any(axis=2, keepdims=True), apart, np.inf)
+    return np.asarray(among.argmin(axis=2))
