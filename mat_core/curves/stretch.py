@@ -60,12 +60,15 @@ from mat_core.curves.way import (
     sample,
 )
 from mat_core.kernels.jit import inner
+from mat_core.kernels.layout import V0, V1
 
 Floats = NDArray[np.float64]
 
 TINY = 1e-11  # a chord this short is not cut any more, nor is an interval this short relative to the whole strip
 SHORT_FOR_DISCS = 4.0  # times its length over its radius: the share of the tolerance for a stretch, at most all of it
 STRICTEST = 0.01  # and at least this
+NO_STRICTER = 1e-10  # than this: discs beside the centre of an arc of noise are told no better
+AT_LEAF = 0.1  # of the tolerance for a stretch that ends at a centre of curvature
 SHORT = 0.25  # nor is a chord this short relative to the tolerance: drawn straight it is near enough
 LEAST_CUT, MOST_CUT = 0.1, 0.9  # range of the share that a piece is shortened to
 BESIDE = 0.08  # of the wanted length, from a disc between strips: the piece ends there
@@ -202,15 +205,35 @@ def _next_start(track: Track, end: int, ends: Floats) -> None:
 
 
 @inner
+def _is_leaf(track: Track, w: int, end: int) -> bool:
+    """Whether a strip ends (end 1) or starts (0) at a centre of curvature: both sides of it meet where the disc touches."""
+    right = track.strip_i[w, 0]
+    left = track.strip_i[w, 1]
+    s_right = track.strip_s[w, end]
+    s_left = track.strip_s[w, 2 + end]
+    at_ends = (s_right == 0.0 or s_right == 1.0) and (s_left == 0.0 or s_left == 1.0)
+    vertex_right = track.si[right, V1 if s_right > 0.5 else V0]
+    vertex_left = track.si[left, V1 if s_left > 0.5 else V0]
+    return at_ends and vertex_right == vertex_left and track.disc[track.strip_i[w, 2 + end], 2] > 0.0
+
+
+@inner
 def _strictness(track: Track, begin: int, end: int) -> float:
-    """Share of the tolerance for a stretch that is short for its discs: where they touch is told by how fast the radius changes."""
+    """Share of the tolerance for a stretch from whose curve it is hard to tell where its discs touch.
+
+    How fast the radius changes tells that: from a curve that is short for its discs, or ends at a centre of curvature, where the
+    radius changes as fast as the centre moves, and the square root of what is left over of that tells it.
+    """
     first = track.strip_i[begin, 2]
     last = track.strip_i[end - 1, 3]
     length = 0.0
     for c in range(3):
         length = max(length, abs(track.disc[last, c] - track.disc[first, c]))
     radius = max(track.disc[first, 2], track.disc[last, 2])
-    return min(max(SHORT_FOR_DISCS * length / radius, STRICTEST), 1.0) if radius > 0.0 else 1.0
+    share = min(max(SHORT_FOR_DISCS * length / radius, STRICTEST), 1.0) if radius > 0.0 else 1.0
+    if _is_leaf(track, begin, 0) or _is_leaf(track, end - 1, 1):
+        share = min(share, AT_LEAF)
+    return share
 
 
 @inner
@@ -229,7 +252,7 @@ def free_stretch(
     ends = scratch.ends
     waiting = scratch.waiting
     put_disc(track, begin, 0, ends, 0)
-    tolerance *= _strictness(track, begin, end)
+    tolerance = max(tolerance * _strictness(track, begin, end), min(tolerance, NO_STRICTER))
     put_disc(track, end - 1, 1, waiting, 0)
     left = int(np.int64(1))  # not a literal: each literal would be compiled for once more
     p = count
