@@ -16,7 +16,7 @@ from mat_core.curves.conics import is_conic
 from mat_core.curves.continuing import goes_on
 from mat_core.curves.exact import conic_pieces
 from mat_core.curves.pieces import NO_FIT, NO_ROOM, P_PART, P_ROW, Pieces
-from mat_core.curves.stretch import free_stretch
+from mat_core.curves.stretch import free_stretch, stricter
 from mat_core.curves.way import Scratch, Track
 from mat_core.kernels.jit import jit
 
@@ -71,9 +71,12 @@ def fit_strips(track: Track, scratch: Scratch, pieces: Pieces, tolerance: float,
             while end < rows and joined[end]:
                 end += 1
             before = count
-            # a footpoint that belongs to its disc only to rounding misleads on its own side, not on the other one
-            for flip in range(2):
-                count = free_stretch(track, scratch, pieces, w, end, flip, tolerance, before)
+            strict = stricter(track, w, end, tolerance)
+            # a footpoint that belongs to its disc only to rounding misleads on its own side, not on the other one; and no curve
+            # follows an axis more closely than its discs are known, as beside a leaf at a joint that is smooth but for a kink
+            for attempt in range(4 if strict < tolerance else 2):
+                within = strict if strict < tolerance and attempt < 2 else tolerance
+                count = free_stretch(track, scratch, pieces, w, end, attempt & 1, within, before)
                 if count != NO_FIT:
                     break
             if count == NO_FIT and end > w + 1:

@@ -218,8 +218,8 @@ def _is_leaf(track: Track, w: int, end: int) -> bool:
 
 
 @inner
-def _strictness(track: Track, begin: int, end: int) -> float:
-    """Share of the tolerance for a stretch from whose curve it is hard to tell where its discs touch.
+def stricter(track: Track, begin: int, end: int, tolerance: float) -> float:
+    """The tolerance for a stretch, which is less where it is hard to tell from its curve where its discs touch.
 
     How fast the radius changes tells that: from a curve that is short for its discs, or ends at a centre of curvature, where the
     radius changes as fast as the centre moves, and the square root of what is left over of that tells it.
@@ -233,7 +233,7 @@ def _strictness(track: Track, begin: int, end: int) -> float:
     share = min(max(SHORT_FOR_DISCS * length / radius, STRICTEST), 1.0) if radius > 0.0 else 1.0
     if _is_leaf(track, begin, 0) or _is_leaf(track, end - 1, 1):
         share = min(share, AT_LEAF)
-    return share
+    return max(share * tolerance, min(tolerance, NO_STRICTER))
 
 
 @inner
@@ -252,7 +252,6 @@ def free_stretch(
     ends = scratch.ends
     waiting = scratch.waiting
     put_disc(track, begin, 0, ends, 0)
-    tolerance = max(tolerance * _strictness(track, begin, end), min(tolerance, NO_STRICTER))
     put_disc(track, end - 1, 1, waiting, 0)
     left = int(np.int64(1))  # not a literal: each literal would be compiled for once more
     p = count

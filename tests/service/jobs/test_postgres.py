@@ -26,7 +26,8 @@ def postgres() -> Iterator[Postgres]:
 
 
 def server(folder: Path, postgres: Postgres, role: str, name: str) -> Server:
-    return Server(folder, MAT_DATABASE_URL=postgres.url, MAT_ROLE=role, MAT_EXECUTOR_ID=name)
+    # jobs that give way would wait for the tests beside them
+    return Server(folder, MAT_DATABASE_URL=postgres.url, MAT_ROLE=role, MAT_EXECUTOR_ID=name, MAT_LONG_PRIORITY="normal")
 
 
 def test_the_jobs_of_a_machine_that_does_not_come_back_are_taken_over(tmp_path: Path, postgres: Postgres) -> None:
