@@ -9,7 +9,7 @@ from mat_core.kernels.jit import inner, jit
 
 @jit
 def count_beziers(degree, cp_start):
-    """What step 1 needs room for: (Beziers, their control points; most of one edge, most that one is given, highest degree)."""
+    """Room for `cut_edges`: (Beziers, their control points; most of one edge, most that one is given, highest degree)."""
     beziers = points = most_of_edge = longest = highest = 0
     for edge in range(degree.shape[0]):
         d = degree[edge]
@@ -28,7 +28,7 @@ def cut_edges(
     degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding, moved, span_cp, breaks,
     bez_i, bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds, roots,
 ):
-    """Steps 1 and 2; returns (pieces, rows of cp), pieces = -1 if a buffer is too small."""
+    """From edges to pieces; returns (pieces, rows of cp), pieces = -1 if a buffer is too small."""
     # before knots are inserted: far from the origin a new point would be rounded as coarsely as those are
     for row in range(control.shape[0]):
         moved[row, 0] = (control[row, 0] - ox) * scale
@@ -46,7 +46,7 @@ def _collect_beziers(
     degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, rounding,
     span_cp, breaks, bez_i, bez_u, cp, bez_loop_start,
 ):
-    """Step 1: fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub, skew), cp; returns the rows of cp."""
+    """Fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub, skew), cp; returns the rows of cp."""
     count = 0
     used = 0
     bez_loop_start[0] = 0

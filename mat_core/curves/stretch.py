@@ -65,11 +65,11 @@ from mat_core.kernels.layout import V0, V1
 Floats = NDArray[np.float64]
 
 TINY = 1e-11  # a chord this short is not cut any more, nor is an interval this short relative to the whole strip
+SHORT = 0.25  # nor is a chord this short relative to the tolerance: drawn straight it is near enough
 SHORT_FOR_DISCS = 4.0  # times its length over its radius: the share of the tolerance for a stretch, at most all of it
 STRICTEST = 0.01  # and at least this
 NO_STRICTER = 1e-10  # than this: discs beside the centre of an arc of noise are told no better
 AT_LEAF = 0.1  # of the tolerance for a stretch that ends at a centre of curvature
-SHORT = 0.25  # nor is a chord this short relative to the tolerance: drawn straight it is near enough
 LEAST_CUT, MOST_CUT = 0.1, 0.9  # range of the share that a piece is shortened to
 BESIDE = 0.08  # of the wanted length, from a disc between strips: the piece ends there
 WORTH = 1.15  # times as long: what a longer piece must be hoped to be, to be tried

@@ -17,6 +17,7 @@ import httpx2
 
 ROOT = Path(__file__).resolve().parents[2]
 START_SECONDS = 180
+PATIENCE = 30.0  # seconds for which a slow client goes on
 COMMAND = (sys.executable, "-m", "uvicorn", "--factory", "service.app:create_app", "--log-level", "warning")
 
 
@@ -61,3 +62,23 @@ def wait_until_ready(client: httpx2.Client, process: subprocess.Popen[bytes]) ->
                 return
         time.sleep(0.05)
     raise AssertionError("the service was not ready in time")
+
+
+def trickled(client: socket.socket, drops: bytes) -> tuple[bytes, float]:
+    """What is answered to drops, the last of them again and again, and the seconds until the connection was closed."""
+    begun = time.monotonic()
+    answer = b""
+    client.settimeout(0.1)
+    for place in range(int(PATIENCE / 0.1)):
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+            client.sendall(drops[place : place + 1] or drops[-1:])
+        try:
+            piece = client.recv(65536)
+        except TimeoutError:
+            continue
+        except ConnectionResetError:
+            break
+        if not piece:
+            break
+        answer += piece
+    return answer, time.monotonic() - begun

@@ -19,7 +19,7 @@ import httpx2
 import pytest
 
 from service.errors import ERRORS
-from tests.service.live import ROOT, wait_until_ready
+from tests.service.live import ROOT, trickled, wait_until_ready
 from tests.service.processes import alive, descendants, eventually
 
 PROGRAM = """
@@ -122,20 +122,7 @@ def test_a_body_that_trickles_is_told_to_go_and_its_connection_is_closed(tmp_pat
             head = f"POST {path} HTTP/1.1\r\nHost: x\r\nContent-Type: {media_type}\r\nContent-Length: 1000\r\n\r\n"
             client.sendall(head.encode())
             begun = time.monotonic()
-            answer = b""
-            client.settimeout(0.1)
-            while time.monotonic() - begun < 30:
-                with contextlib.suppress(BrokenPipeError, ConnectionResetError):
-                    client.sendall(b" ")  # what comes after the answer is nobody's
-                try:
-                    piece = client.recv(65536)
-                except TimeoutError:
-                    continue
-                except ConnectionResetError:
-                    break
-                if not piece:
-                    break
-                answer += piece
+            answer, _ = trickled(client, b" ")  # what comes after the answer is nobody's
         assert time.monotonic() - begun >= 0.5
         told, _, body = answer.partition(b"\r\n\r\n")
         assert told.startswith(b"HTTP/1.1 408 ")

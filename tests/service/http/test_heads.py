@@ -11,10 +11,10 @@ from collections.abc import Iterator
 import httpx2
 import pytest
 
+from tests.service.live import PATIENCE, trickled
 from tests.service.test_server import serving
 
 SECONDS = 0.5
-PATIENCE = 30.0
 HEAD = b"GET /healthz HTTP/1.1\r\nHost: x\r\n"
 
 
@@ -28,26 +28,6 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx2.URL]:
 def connected(address: httpx2.URL) -> Iterator[socket.socket]:
     with socket.create_connection((address.host, address.port), timeout=60) as client:
         yield client
-
-
-def trickled(client: socket.socket, drops: bytes) -> tuple[bytes, float]:
-    """What is answered to drops, the last of them again and again, and the seconds until the connection was closed."""
-    begun = time.monotonic()
-    answer = b""
-    client.settimeout(0.1)
-    for place in range(int(PATIENCE / 0.1)):
-        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
-            client.sendall(drops[place : place + 1] or drops[-1:])
-        try:
-            piece = client.recv(65536)
-        except TimeoutError:
-            continue
-        except ConnectionResetError:
-            break
-        if not piece:
-            break
-        answer += piece
-    return answer, time.monotonic() - begun
 
 
 def received(client: socket.socket) -> bytes:
