@@ -78,7 +78,11 @@ def _gathered(made: list[tuple[Pieces, int]]) -> tuple[Pieces, int]:
     last, count = made[-1]
     filled.append(Pieces(last.first[-1:], last.piece_i[count : count + 1], last.piece_f[:0], last.cp[:0], last.part_i[:0],
                          last.part_f[:0]))
-    return Pieces(*(np.concatenate(column) for column in zip(*filled, strict=True))), pieces
+    columns = list(zip(*filled, strict=True))
+    made.clear()
+    filled.clear()
+    # column by column, each let go of when it is copied: at no time is all there twice
+    return Pieces(*(np.concatenate(columns.pop(0)) for _ in Pieces._fields)), pieces
 
 
 def _cannot_follow(table: SiteTable, skeleton: Skeleton, strip: int, tolerance: float) -> NotCertified:
