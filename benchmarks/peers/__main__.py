@@ -13,12 +13,14 @@ import time
 os.environ["MAT_CORE_THREADS"] = "1"  # one thread for all: set before anything of ours is loaded
 os.environ["OMP_NUM_THREADS"] = "1"
 
-from benchmarks import growth
+from benchmarks import growth, resources
+from benchmarks.fonts import fonts
 from benchmarks.peers import document
 from benchmarks.peers.cases import Case, cases
 from benchmarks.peers.environment import peers
 from benchmarks.peers.results import Results
 from benchmarks.peers.solve import Row, solve
+from benchmarks.resources import first_use, memory
 from benchmarks.shapes import LARGE
 from benchmarks.stages import Stages, run
 
@@ -55,7 +57,9 @@ def main() -> None:
         stages = Stages()
         families = [_grown(name, stages) for name in LARGE]
         profiles = {case.label: _profile(case, stages) for case in wanted if _profiled(case)}
-        results = Results(rows, families, profiles, {peer.name: peer.version for peer in found}, missing, left_out)
+        versions = {peer.name: peer.version for peer in found}
+        memories = [memory(name) for name in resources.FAMILIES]
+        results = Results(rows, families, profiles, versions, missing, left_out, fonts(), memories, first_use())
         results.save()
         document.write(results)
 

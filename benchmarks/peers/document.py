@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from benchmarks import fonts, resources
 from benchmarks.growth import LIMIT, Family, header, table
 from benchmarks.peers import pictures
-from benchmarks.peers.aims import BOOST, number, reached
+from benchmarks.peers.aims import BOOST, number, reached, reached_by_processes
 from benchmarks.peers.cases import EVERYONE
 from benchmarks.peers.environment import ROOT
 from benchmarks.peers.results import Results
@@ -42,10 +43,12 @@ def write(results: Results) -> None:
     pictures.growth(families, PICTURES / "growth.svg")
     parts = [
         _conditions(results),
-        ["## Aims", "", *_aims(rows, families)],
+        ["## Aims", "", *_aims(results)],
         ["## Times of others, in times of ours", "", "![ratios](performance/ratios.svg)", "", *_ratios(rows)],
         ["## Right or wrong", "", *_outcomes(rows), "", *_distances(rows)],
         ["## Times of ours, and what is not counted in them", "", *_times(rows)],
+        ["## Glyphs of whole fonts", "", *fonts.table(results.fonts)],
+        ["## Memory, and the first use", "", *resources.tables(results.memories, results.first)],
         ["## Growth", "", "![growth](performance/growth.svg)", "", *_growth(families)],
         ["## Where the time goes", "", *_profiles(results), "", *_longest(results.profiles)],
     ]
@@ -64,10 +67,11 @@ def _conditions(results: Results) -> Table:
     return lines + [f"Left out for want of time: {name}." for name in results.left_out]
 
 
-def _aims(rows: Sequence[Row], families: Sequence[Family]) -> Table:
+def _aims(results: Results) -> Table:
     said = {True: "met", False: "**not met**", None: "no figure"}
+    found = reached(results.rows, results.families) + reached_by_processes(results.fonts, results.memories, results.first)
     lines = ["| aim | reached | |", "|---|---|---|"]
-    return lines + [f"| {r.aim} | {r.figure} | {said[r.met]} |" for r in reached(rows, families)]
+    return lines + [f"| {r.aim} | {r.figure} | {said[r.met]} |" for r in found]
 
 
 def _ratios(rows: Sequence[Row]) -> Table:

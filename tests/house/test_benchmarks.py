@@ -7,12 +7,14 @@ import pytest
 import shapely
 
 from benchmarks import shapes
+from benchmarks.fonts import Font
 from benchmarks.growth import Family
 from benchmarks.peers import exports
-from benchmarks.peers.aims import reached
+from benchmarks.peers.aims import reached, reached_by_processes
 from benchmarks.peers.cases import EVERYONE, cases
 from benchmarks.peers.environment import BUILDERS
 from benchmarks.peers.solve import Answer, Row
+from benchmarks.resources import FirstUse, Memory
 from benchmarks.shapes import LARGE
 from mat_core import Domain
 from tests.families import CATALOGUE
@@ -75,6 +77,16 @@ def test_peers_are_named_alike_everywhere() -> None:
 
 def test_an_aim_without_figures_is_neither_met_nor_missed() -> None:
     assert {r.met for r in reached([], [])} == {None}
+
+
+def test_aims_of_processes_are_met_or_not_by_their_figures() -> None:
+    small, large = Font("a", [4, 5, 6], [0.1, 0.2, 0.3]), Font("b", [7], [9.0])
+    lean, heavy = Memory("lean", 1024, 100.0, 100.0, 101.0), Memory("heavy", 1024, 100.0, 100.0, 103.0)
+    quick = reached_by_processes([small, large], [lean], FirstUse(0.4, 20.0, 30.0))
+    slow = reached_by_processes([large], [heavy], FirstUse(0.6, 30.0, 30.0))
+    assert [r.met for r in quick] == [True] * 4
+    assert [r.met for r in slow] == [False] * 4
+
 
 
 def test_aims_are_decided_by_the_worst_row() -> None:
