@@ -37,6 +37,7 @@ from mat_core.kernels.layout import FAN, KIND, LEN, SWEEP
 
 ANEW = (0.44, 0.59)  # where in a strip, on its right and on its left side, discs are found anew
 SAMPLES = (0.057, 0.281, 0.473, 0.726, 0.894)  # of a piece; at places of no symmetry, so not at those of a fit
+FROM_MIDDLE = (2, 1, 3, 0, 4)  # the order in which samples are looked at: feet of the first are near the middles of the sides
 SAME_DISC = 1e-9  # a strip between discs nearer than this has no inside to look at
 NO_SIDE = 1e-11  # nor is there anything to start from on a side shorter than this, unless both are
 
@@ -218,16 +219,24 @@ def _judge_piece(t, k, strip, error, count, boxes, slack, figures):
     right = k.strip_i[strip, 0]
     left = k.strip_i[strip, 1]
     s = k.strip_s
-    s_right = 0.5 * (s[strip, 0] + s[strip, 1])
-    s_left = 0.5 * (s[strip, 2] + s[strip, 3])
-    for n in range(PARTNERS):
+    last = before = SAMPLES[FROM_MIDDLE[0]]
+    s_right = right_before = 0.5 * (s[strip, 0] + s[strip, 1])
+    s_left = left_before = 0.5 * (s[strip, 2] + s[strip, 3])
+    for n in FROM_MIDDLE:
         x = probe[n, X]
         y = probe[n, Y]
         r = probe[n, R]
-        # the feet of the sample before are near
-        off, s_right = distance_from(t.si, t.sf, t.cp, right, s[strip, 0], s[strip, 1], s_right, x, y, r, granted)
+        # about where the feet of the last two samples point to
+        on = (SAMPLES[n] - last) / (last - before) if last != before else 0.0
+        guess_right = s_right + on * (s_right - right_before)
+        guess_left = s_left + on * (s_left - left_before)
+        before = last
+        right_before = s_right
+        left_before = s_left
+        last = SAMPLES[n]
+        off, s_right = distance_from(t.si, t.sf, t.cp, right, s[strip, 0], s[strip, 1], guess_right, x, y, r, granted)
         worst(figures, CURVES_ON_AXIS, off - granted, x, y)
-        off, s_left = distance_from(t.si, t.sf, t.cp, left, s[strip, 3], s[strip, 2], s_left, x, y, r, granted)
+        off, s_left = distance_from(t.si, t.sf, t.cp, left, s[strip, 3], s[strip, 2], guess_left, x, y, r, granted)
         worst(figures, CURVES_ON_AXIS, off - granted, x, y)
         inside = _depth(t, boxes, count, n, right, s_right, left, s_left)
         worst(figures, CURVES_EMPTY, inside - granted, x, y)

@@ -41,6 +41,9 @@ def bezier_foot(cp, c0, deg, rational, lo, hi, x, y, guess):
         slope = x1 * x1 + y1 * y1 + dx * x2 + dy * y2
         new = s - g / slope if slope > 0.0 else (lo if g > 0.0 else hi)
         if slope > 0.0 and abs(new - s) <= SETTLED:
+            if lo <= new <= hi:
+                # so short a step lowers |C - c|^2 by g^2 / slope, to rounding: no need to look there
+                return math.sqrt(max(dx * dx + dy * dy - g * g / slope, 0.0)), new
             s = min(max(new, lo), hi)
             break
         if a < new < b:
