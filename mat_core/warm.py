@@ -1,7 +1,7 @@
 """Compile (or load) every kernel once, by solving a small domain that reaches them all.
 
-``python -m mat_core.warm`` does it from the command line, for images. There a second process compiles the later half meanwhile:
-what that half works on is found by the same kernels, uncompiled, in a fraction of a second.
+``python -m mat_core.warm`` does it from the command line, for images. There a second process compiles the later half of the
+stages meanwhile: what that half works on is found by the same kernels, uncompiled, in a fraction of a second.
 """
 
 from __future__ import annotations
@@ -20,15 +20,17 @@ import numpy as np
 from mat_core.boundary.sites import SiteTable, build_sites
 from mat_core.certificate import certify
 from mat_core.curves.assemble import build_axis
+from mat_core.errors import UnsupportedOption
+from mat_core.kernels.jit import all_kept
 from mat_core.model.containment import inside_domain
 from mat_core.model.domain import Domain
-from mat_core.threads import threads_allowed
 from mat_core.tolerances import LADDER
 from mat_core.topology.building import build_skeleton
 from mat_core.topology.graph import AxisGraph, build_graph
 from mat_core.topology.skeleton import Skeleton
 
 STAGES = ("validation", "sites", "skeleton", "graph", "curves", "certificate", "footpoints")
+PARTS = ("all", "first", "later")
 LATER_HALF, UNCOMPILED = "--later-half", "--uncompiled"  # for the command line: what other processes are asked for
 
 Tell = Callable[[int], None]
@@ -62,28 +64,35 @@ def example() -> dict[str, object]:
     return {"outer": outer, "holes": [hole]}
 
 
-def warm(progress: Callable[[str, int, int], None] | None = None) -> None:
+def warm(progress: Callable[[str, int, int], None] | None = None, part: str = "all") -> None:
     """Compile or load every kernel, so that the next solution is fast.
 
     Parameters
     ----------
     progress : callable, optional
         Called with (stage, number of this stage, number of stages) before each one.
+    part : str
+        "first" or "later": the kernels of this half of the stages only, for two processes that compile at the same time.
+
+    Raises
+    ------
+    UnsupportedOption
+        There is no such part.
     """
-    _without_collecting(lambda: _later_half(_first_half(_teller(progress)), _teller(progress)))
+    if part not in PARTS:
+        raise UnsupportedOption("part", f"{part!r} is not one of {', '.join(PARTS)}")
 
+    def tell(number: int) -> None:
+        if progress is not None:
+            progress(STAGES[number], number + 1, len(STAGES))
 
-def _teller(progress: Callable[[str, int, int], None] | None) -> Tell:
-    """Says which stage begins, by its number from 0."""
-    return lambda number: progress(STAGES[number], number + 1, len(STAGES)) if progress is not None else None
-
-
-def _without_collecting(work: Callable[[], object]) -> None:
-    """The compiler makes millions of small objects that live on: collecting in between costs a tenth of the time."""
+    # The compiler makes millions of small objects that live on: collecting in between costs a tenth of the time.
     collecting = gc.isenabled()
     gc.disable()
     try:
-        work()
+        found = _found_uncompiled() if part == "later" else _first_half(tell)
+        if part != "first":
+            _later_half(found, tell)
     finally:
         if collecting:
             gc.enable()
@@ -115,33 +124,9 @@ def _later_half(found: Network, tell: Tell) -> None:
     inside_domain(domain, np.zeros((1, 2)))
 
 
-# Command line --------------------------------------------------------------------------------------------------------
-def main() -> None:
-    """One line a stage, and how long it took."""
-    if UNCOMPILED in sys.argv:
-        sys.stdout.buffer.write(pickle.dumps(tuple(_first_half(_teller(None)))))
-    elif LATER_HALF in sys.argv:
-        _without_collecting(lambda: _later_half(_found_uncompiled(), _teller(_line)))
-    else:
-        _warm_in_two()
-
-
-def _warm_in_two() -> None:
-    """Both halves at a time where there are processors for it; what the other process does not do is done here in the end."""
-    begun = time.monotonic()
-    if threads_allowed(None) > 1:
-        with _this_module(LATER_HALF) as other:
-            _without_collecting(lambda: _first_half(_teller(_line)))
-            other.wait()
-        warm()
-    else:
-        warm(_line)
-    sys.stdout.write(f"kernels ready after {time.monotonic() - begun:.1f} s\n")
-
-
-def _line(stage: str, number: int, stages: int) -> None:
-    sys.stdout.write(f"kernels {number}/{stages}: {stage}\n")
-    sys.stdout.flush()
+def halves() -> tuple[str, ...]:
+    """Parts of `warm` that are worth a process each: none when every kernel is there."""
+    return () if all_kept() else PARTS[1:]
 
 
 def _found_uncompiled() -> Network:
@@ -153,6 +138,29 @@ def _found_uncompiled() -> Network:
 def _this_module(what: str, **options: Any) -> subprocess.Popen[bytes]:
     """This module's command line in another process."""
     return subprocess.Popen([sys.executable, "-W", "ignore", "-m", "mat_core.warm", what], **options)
+
+
+# Command line --------------------------------------------------------------------------------------------------------
+def main() -> None:
+    """Both halves at a time, a line for each stage, and how long it took."""
+    if UNCOMPILED in sys.argv:
+        sys.stdout.buffer.write(pickle.dumps(tuple(_first_half(lambda number: None))))
+    elif LATER_HALF in sys.argv:
+        warm(_line, "later")
+    else:
+        begun = time.monotonic()
+        if halves():
+            with _this_module(LATER_HALF):
+                warm(_line, "first")
+            warm()  # loads all, and compiles what the other process did not
+        else:
+            warm(_line)
+        sys.stdout.write(f"kernels ready after {time.monotonic() - begun:.1f} s\n")
+
+
+def _line(stage: str, number: int, stages: int) -> None:
+    sys.stdout.write(f"kernels {number}/{stages}: {stage}\n")
+    sys.stdout.flush()
 
 
 if __name__ == "__main__":

@@ -100,6 +100,14 @@ def cache_folder(path: Path) -> Path:
     return cache_root() / fingerprint(path.resolve())
 
 
+_entries: list[tuple[Path, str]] = []  # source file and name of each kernel that Python calls
+
+
+def all_kept() -> bool:
+    """True when every kernel that Python calls is on disk already, for the types it is called with first or for others."""
+    return all(any(cache_folder(file).glob(f"{name}-*.kernel")) for file, name in _entries)
+
+
 def jit(function: F) -> F:
     """Compile `function` without the interpreter, cached on disk; its Python signature is kept for the type checker."""
     return _compiled(function, True)
@@ -123,7 +131,9 @@ def _compiled(function: F, entry: bool, forceinline: bool = False) -> F:
     if not config.DISABLE_JIT:
         if entry:
             file = Path(function.__code__.co_filename)
-            compiled._cache = KernelCache(functools.partial(cache_folder, file), f"{file.stem}.{function.__qualname__}")
+            name = f"{file.stem}.{function.__qualname__}"
+            compiled._cache = KernelCache(functools.partial(cache_folder, file), name)
+            _entries.append((file, name))
         _forget_literals(compiled)
         _remember_operators(compiled)
     return cast(F, compiled)

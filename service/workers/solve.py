@@ -23,6 +23,7 @@ from mat_core.formats import json_document
 from mat_core.formats.dxf import to_dxf
 from mat_core.formats.svg import render_result
 from mat_core.outlines import circle, polygon
+from mat_core.warm import halves
 from service import __version__
 from service.errors import RequestError
 from service.workers import encode, execute
@@ -51,23 +52,30 @@ Report = Callable[[str, float], None]
 def preload(progress: Callable[[str, int, int], None]) -> dict[str, str]:
     """Load every kernel, and what draws, before the first fork; say which versions these are.
 
-    The compiler leaves hundreds of megabytes behind, which every worker would share. So a process that ends right after it fills
-    the cache first, and this one only loads from there (or compiles after all, if that process failed).
+    The compiler leaves hundreds of megabytes behind, which every worker would share. So processes that end right after it fill
+    the cache first, each with half of the kernels, and this one only loads from there (or compiles, if one of them failed).
     """
     nursery = os.getpid()
+    compilers = [_compiler(part, progress, nursery) for part in halves()]
+    for compiler in compilers:
+        os.waitpid(compiler, 0)
+    mat_core.warm(None if compilers else progress)
+    importlib.import_module("ezdxf")  # 0.4 s that no first drawing of a worker should wait for
+    return {"service": __version__, "algorithm": mat_core.__version__}
+
+
+def _compiler(part: str, progress: Callable[[str, int, int], None], nursery: int) -> int:
+    """A process that compiles one half of the kernels."""
     compiler = os.fork()
     if compiler == 0:
         status = 1
         try:
             die_with_parent(nursery)
-            mat_core.warm(progress=progress)
+            mat_core.warm(progress, part)
             status = 0
         finally:
             os._exit(status)
-    os.waitpid(compiler, 0)
-    mat_core.warm()
-    importlib.import_module("ezdxf")  # 0.4 s that no first drawing of a worker should wait for
-    return {"service": __version__, "algorithm": mat_core.__version__}
+    return compiler
 
 
 def rehearse() -> None:

@@ -9,8 +9,9 @@ from typing import Any
 
 import numba
 import numpy as np
+import pytest
 
-import mat_core.warm  # noqa: F401
+from mat_core import UnsupportedOption, warm
 
 
 def arrays(value: Any) -> Iterator[np.ndarray[Any, Any]]:
@@ -35,6 +36,11 @@ def test_what_is_found_uncompiled_has_the_types_of_what_is_found_compiled() -> N
         assert types
         assert types == [numba.typeof(array) for array in arrays(other)]
     assert uncompiled.domain.arrays.cp.tolist() == compiled.domain.arrays.cp.tolist()
+
+
+def test_an_unknown_part_is_refused() -> None:
+    with pytest.raises(UnsupportedOption, match="part"):
+        warm(part="both")
 
 
 def test_every_stage_is_announced_once_and_the_end_is_told() -> None:

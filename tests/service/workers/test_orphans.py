@@ -61,7 +61,7 @@ def test_nothing_outlives_the_web_process(signal_number: signal.Signals) -> None
 
 def test_nothing_outlives_a_web_process_that_is_killed_while_kernels_are_compiled() -> None:
     with web_process("tests.service.slow_loading") as (web, family):
-        assert len(family) == 2  # the nursery and the process that compiles
+        assert len(family) == 3  # the nursery and two processes that compile
         web.kill()
         eventually(lambda: not any(alive(pid) for pid in family))
 
