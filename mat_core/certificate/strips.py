@@ -15,6 +15,12 @@ otherwise, and would show a piece whose curvature is not monotone.
 A curve states a bound e of |c' - c| + |r' - r| between its discs (c', r') and true axis discs (c, r). The distance of c'
 from either side then differs from r' by at most e; that much is granted, no more.
 
+A strip between lines, arcs and points has a conic (c', r') = (x, y, r) / w of degree 2, if its curve has that degree. Then
+
+    n.c' - r' of a line,    |c' - p|^2 - (r' + s)^2 of a circle (a point has s = 0),    times w or w^2,
+
+is a polynomial of degree 4 at most, and nothing but 0 if it is 0 at both ends, where the discs are, and at three places between.
+
 All these discs are probes: rows x, y, r, s, off of a table. Those of a strip are near each other, so one walk through the
 tree of boxes gathers what any of them may reach into (most strips have one piece of a curve; the pieces of others are
 gathered for one by one).
@@ -33,11 +39,12 @@ from mat_core.kernels.judge_ball import ball
 from mat_core.kernels.judge_boxes import leaves_near, stretch
 from mat_core.kernels.judge_foot import CLOSE, distance_from
 from mat_core.kernels.judge_spline import spline_value
-from mat_core.kernels.layout import FAN, KIND, LEN, SWEEP
+from mat_core.kernels.layout import FAN, KIND, LEN, SPIRAL, SWEEP
 
 ANEW = (0.44, 0.59)  # where in a strip, on its right and on its left side, discs are found anew
-SAMPLES = (0.057, 0.281, 0.473, 0.726, 0.894)  # of a piece; at places of no symmetry, so not at those of a fit
-FROM_MIDDLE = (2, 1, 3, 0, 4)  # the order in which samples are looked at: feet of the first are near the middles of the sides
+SAMPLES = (0.057, 0.894, 0.281, 0.473, 0.726)  # of a piece; at places of no symmetry, so not at those of a fit
+INNER = 2  # from here on they are what a conic is looked at
+FROM_MIDDLE = (3, 2, 4, 0, 1)  # the order in which samples are looked at: feet of the first are near the middles of the sides
 SAME_DISC = 1e-9  # a strip between discs nearer than this has no inside to look at
 NO_SIDE = 1e-11  # nor is there anything to start from on a side shorter than this, unless both are
 
@@ -76,20 +83,28 @@ def check_strip(t, k, c, strip, part, run, boxes, slack, figures):
             _probe(boxes.probe, PARTNERS + side, k.disc[d0, 0], k.disc[d0, 1], 0.0, 0.0, 0.0)
     end = c.part_start[run + 1] if part >= 0 else -1
     single = part >= 0 and (part + 1 == end or c.part_i[part + 1, 1] != strip)
+    first = INNER if single and _is_conic(t, k, c, strip, run) else 0
     if single:
-        _sample(c, run, part, boxes)
-    count = _gather(boxes, k.disc[d0, 0], k.disc[d0, 1], k.disc[d1, 0], k.disc[d1, 1], 0 if single else PARTNERS, PROBES)
+        _sample(c, run, part, first, boxes)
+    count = _gather(boxes, k.disc[d0, 0], k.disc[d0, 1], k.disc[d1, 0], k.disc[d1, 1], first if single else PARTNERS, PROBES)
     for side in range(2):
         if left if side else right:
             _judge_partner(t, k, strip, side, radius, count, boxes, slack, figures)
     probe = boxes.probe
-    last = PARTNERS - 1
     while 0 <= part < end and c.part_i[part, 1] == strip:
         if not single:
-            _sample(c, run, part, boxes)
-            count = _gather(boxes, probe[0, X], probe[0, Y], probe[last, X], probe[last, Y], 0, PARTNERS)
-        _judge_piece(t, k, strip, c.max_error[run], count, boxes, slack, figures)
+            _sample(c, run, part, 0, boxes)
+            count = _gather(boxes, probe[0, X], probe[0, Y], probe[1, X], probe[1, Y], 0, PARTNERS)
+        _judge_piece(t, k, strip, c.max_error[run], count, PARTNERS - first, boxes, slack, figures)
         part += 1
+
+
+@inner
+def _is_conic(t, k, c, strip, run):
+    """Whether a strip is between lines, arcs and points, and its curve of a conic's degree."""
+    right = t.si[k.strip_i[strip, 0], KIND]
+    left = t.si[k.strip_i[strip, 1], KIND]
+    return c.degree[run] <= 2 and right != SPIRAL and left != SPIRAL
 
 
 @inner
@@ -203,17 +218,20 @@ def _judge_partner(t, k, strip, side, radius, count, boxes, slack, figures):
 
 
 @inner
-def _sample(c, run, part, boxes):
-    """Probes along one piece of a curve."""
-    for n in range(PARTNERS):
+def _sample(c, run, part, first, boxes):
+    """Probes along one piece of a curve, from the `first` of SAMPLES on."""
+    for n in range(first, PARTNERS):
         at = c.part_f[part, 0] + SAMPLES[n] * (c.part_f[part, 1] - c.part_f[part, 0])
         spline_value(c.degree, c.knot_start, c.knots, c.cp_start, c.cp, 3, run, at, boxes.points)
         _probe(boxes.probe, n, boxes.points[0, 0], boxes.points[0, 1], boxes.points[0, 2], 0.0, 0.0)
 
 
 @inner
-def _judge_piece(t, k, strip, error, count, boxes, slack, figures):
-    """Samples of a piece touch either side of their strip, and the boundary stays out of them; error: what the curve states."""
+def _judge_piece(t, k, strip, error, count, samples, boxes, slack, figures):
+    """Samples of a piece touch either side of their strip, and the boundary stays out of them; error: what the curve states.
+
+    `count` leaves were gathered for them; the first `samples` from the middle are looked at.
+    """
     granted = error + slack
     probe = boxes.probe
     right = k.strip_i[strip, 0]
@@ -222,7 +240,8 @@ def _judge_piece(t, k, strip, error, count, boxes, slack, figures):
     last = before = SAMPLES[FROM_MIDDLE[0]]
     s_right = right_before = 0.5 * (s[strip, 0] + s[strip, 1])
     s_left = left_before = 0.5 * (s[strip, 2] + s[strip, 3])
-    for n in FROM_MIDDLE:
+    for m in range(samples):
+        n = FROM_MIDDLE[m]
         x = probe[n, X]
         y = probe[n, Y]
         r = probe[n, R]
