@@ -10,7 +10,7 @@ from mat_core.kernels.jit import inner
 
 IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
 AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
-TRIM = 2e-13  # a bend at an end of an edge that is shorter than this is cut off: no disc tells it from the vertex
+TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tighter, is cut off: no disc tells it from the vertex
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
 HAIRPIN = 0.1  # radians; what turns by less is no such bend
 TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
@@ -90,7 +90,8 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
     handle = math.sqrt((cp[q, 0] - cp[p, 0]) ** 2 + (cp[q, 1] - cp[p, 1]) ** 2)
     if tip < 0 and (handle == 0.0 or handle > SHORT_HANDLE):
         return float(end)
-    near = roots[tip] if tip >= 0 else float(end)
+    begin = roots[tip] if tip >= 0 else float(end)
+    near = begin
     far = 1.0 - end
     beyond = tip + 1 if end == 0 else (tip if tip >= 0 else n_roots) - 1
     if 0 <= beyond < n_roots:
@@ -101,8 +102,18 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
             near = m
         else:
             far = m
-    turning = total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end)))
-    return far if turning > HAIRPIN else float(end)
+    if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) <= HAIRPIN:
+        return float(end)
+    # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either
+    if 0.0 < _curvature(cp, c0, deg, rational, far) * TRIM < 1.0:
+        near = begin
+        for _ in range(60):
+            m = 0.5 * (near + far)
+            if _curvature(cp, c0, deg, rational, m) * TRIM > 1.0:
+                near = m
+            else:
+                far = m
+    return far
 
 
 @inner
