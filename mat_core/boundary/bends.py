@@ -13,6 +13,7 @@ AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
 TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tighter, is cut off: no disc tells it from the vertex
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
 HAIRPIN = 0.1  # radians; what turns by less is no such bend
+FAINT_TURN = 1e-9  # radians; a rise of the curvature at an end that turns by less is none
 TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
 SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
 
@@ -117,10 +118,29 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
 
 
 @inner
-def tight_cut(cp, c0, deg, rational, begin, end):
+def end_curvature(cp, c0, deg, rational, at, other, k):
+    """Curvature k > 0 at an end of a Bezier; 0 if it has risen from below zero within `FAINT_TURN` of there, on the way from `other`.
+
+    A disc no larger than the domain that this curvature bounds ends on the last 1e-9 and reaches over the boundary by 1e-18
+    without that. At a reflex vertex it would be a leaf, and a branch of discs that touch the vertex and what is beside it.
+    """
+    near = at
+    far = other
+    for _ in range(60):
+        m = 0.5 * (near + far)
+        if _curvature(cp, c0, deg, rational, m) > 0.0:
+            near = m
+        else:
+            far = m
+    return 0.0 if k * _apart(cp, c0, deg, rational, at, far) < FAINT_TURN else k
+
+
+@inner
+def tight_cut(cp, c0, deg, rational, begin, end, rounding):
     """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`.
 
     Cut again and again the parts grow away from the bend as its radius does: the parameter of none has too few digits there.
+    A bend within the rounding of coordinates stays in one part with what is beside it: a part of 1e-18 is no side of a disc.
     """
     x, y, ax, ay, bx, by = from_nearer_end(cp, c0, deg, rational, begin)
     x, y, dx, dy, ex, ey = from_nearer_end(cp, c0, deg, rational, end)
@@ -142,4 +162,6 @@ def tight_cut(cp, c0, deg, rational, begin, end):
             lo = m
         else:
             hi = m
+    if min(_apart(cp, c0, deg, rational, begin, lo), _apart(cp, c0, deg, rational, lo, end)) < SHORT * rounding:
+        return end
     return lo if begin < lo < end else end
