@@ -31,6 +31,7 @@ BESIDE_CORNER = 0.02  # how far such a branch reaches along the boundary, where 
 FLAT_REACH = 1e-6  # of the radius, from the circle to such a corner
 UNSEEN_DEPTH = 1e-13  # nor is this seen, from such a corner to a disc that touches both its sides
 EXACT = 1e-9  # accuracy asked of nodes and of exact conics
+NAMED = 2  # units of a parameter's last place by which a footpoint's may be off
 EXACT_KINDS = ("line", "parabola", "hyperbola", "ellipse")
 KINDS = (*EXACT_KINDS, "freeform")
 NODE_KINDS = ("convex_vertex", "curvature_center", "arc_center", "branch", "point")
@@ -397,18 +398,25 @@ def check_nodes(report: Report, answer: Answer, reference: Reference) -> None:
     resting = reference.boundary.end[
         reference.stalls
     ]  # infinite curvature shrinks discs to nothing at a reflex vertex, too
+    bends = np.array([reference.boundary.end[b.before] for b in reference.bends if b.left > 0]).reshape(-1, 2)
     at_vertex = np.zeros(len(convex), dtype=int)
     inner = [i for i, n in enumerate(answer.nodes) if n["kind"] != "convex_vertex"]
     for i, n in enumerate(answer.nodes):
         if n["kind"] == "convex_vertex":
             gaps = np.linalg.norm(convex - answer.node_disc[i, :2], axis=1)
             pointed = np.linalg.norm(resting - answer.node_disc[i, :2], axis=1)
-            nearest = min(gaps.min(initial=np.inf), pointed.min(initial=np.inf))
+            bent = np.linalg.norm(bends - answer.node_disc[i, :2], axis=1)
+            nearest = min(v.min(initial=np.inf) for v in (gaps, pointed, bent))
             report.note("convex vertex", np.array([nearest, answer.node_disc[i, 2]]), EXACT + floor)
             at_vertex[gaps <= EXACT + floor] += 1
             report.require(
                 answer.degree[n["id"]] == 1, f"node {n['id']}: a convex vertex of degree {answer.degree[n['id']]}"
             )
+        elif answer.degree[n["id"]] == 1 and len(bends):
+            # the tip of a bend that is a vertex to any disc is one, too
+            tip = np.linalg.norm(bends - answer.node_disc[i, :2], axis=1).min() + answer.node_disc[i, 2]
+            gaps = np.linalg.norm(convex - answer.node_disc[i, :2], axis=1)
+            at_vertex[(gaps <= EXACT + floor) & (tip <= EXACT + floor)] += 1
     report.require(
         bool((at_vertex == 1).all()), f"convex vertices that are not one leaf each: {convex[at_vertex != 1].tolist()}"
     )
@@ -464,9 +472,16 @@ def check_footpoints(report: Report, answer: Answer, reference: Reference, toler
     disc = np.array(discs)
     gap = np.abs(np.linalg.norm(points - disc[:, :2], axis=1) - disc[:, 2])
     floor = EXACT + 10 * reference.floor
-    report.note("node footpoint", gap[:nodes], floor, disc[:nodes])
+    # no double names a point better than its neighbours let it: weights of 1e-6 and 1e6 drive an edge far between two of them
+    blur = np.zeros(len(feet))
+    for step in (-NAMED, NAMED):
+        u = np.array([f["u"] for f in feet], dtype=float)
+        blur = np.maximum(blur, np.linalg.norm(reference.boundary.points(owner, u + step * np.spacing(np.abs(u))) - points, axis=1))
+    gap = np.maximum(gap - blur, 0.0)
     if given:
-        report.note("footpoint's point", np.linalg.norm(points[:nodes] - np.array(given), axis=1), floor, disc[:nodes])
+        off = np.linalg.norm(points[:nodes] - np.array(given), axis=1)
+        report.note("footpoint's point", np.maximum(off - blur[:nodes], 0.0), floor, disc[:nodes])
+    report.note("node footpoint", gap[:nodes], floor, disc[:nodes])
     report.note("sample footpoint", gap[nodes:], floor + tolerance, disc[nodes:])
 
 

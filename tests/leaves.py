@@ -23,6 +23,8 @@ SLIGHT = 1e-10  # relative change of curvature that is none: rounding
 JOINT_BLUR = 1e-11  # rounding of a cell's second derivative, in its own parameter: what two cells differ by where they meet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
 DOUBT = 1e-7  # up to here nobody can say
+SHARE_EMPTY, SHARE_DOUBT = 1e-4, 1e-2  # of its radius, if that is less
+AT_VERTEX = 1e-11  # a bend that is a vertex begins and ends this near to it
 AROUND = 4  # points of the grid on either side that a maximum is above; where cells meet, rounding makes maxima of one
 FLAT = 1e-4  # radians; a corner that turns by less is not seen with certainty
 ROUGH = 1e-3  # the disc at the highest point of the grid is this far from empty: so is the sharpened one
@@ -41,6 +43,7 @@ def count_leaves(reference: Reference) -> Leaves:
     count = sum(c.turn > 0 for c in reference.corners) - flat_corners
     at_rest = {int(i) for i in np.nonzero(reference.stalls)[0]}
     doubtful = 2 * sum(c.turn < 0 and c.cell in at_rest for c in reference.corners)  # a leaf of radius 0 for each side
+    doubtful += sum(b.turn <= reference.smooth_angle and b.left > 0 for b in reference.bends)  # of discs within the bend alone
     for cell, s, flat, hidden in candidates(reference):
         p, normal, curvature = (v[0] for v in reference.at(np.array([cell]), np.array([s])))
         if not np.isfinite(curvature):
@@ -48,9 +51,9 @@ def count_leaves(reference: Reference) -> Leaves:
             continue
         center = p + normal / curvature
         short = 1 / curvature - reference.boundary.contacts(center[None])[0][0]
-        if short > DOUBT:
+        if short > min(DOUBT, SHARE_DOUBT / curvature):
             continue
-        if short > EMPTY:
+        if short > min(EMPTY, SHARE_EMPTY / curvature):
             doubtful += hidden
         elif flat and (flat_corners or hidden > 1):
             doubtful += hidden  # an arc between corners that are too flat to see, or one that is none to more digits
@@ -102,7 +105,7 @@ def candidates(reference: Reference) -> list[tuple[int, float, bool, int]]:
             m = (a + b) // 2
             flat = b - a >= 8
             end = point[0] if a == 0 else point[-1] if b == len(k) - 1 else None
-            if end is not None and not flat and np.any(np.linalg.norm(convex - end, axis=1) < 1e-12):
+            if end is not None and not flat and np.any(np.linalg.norm(convex - end, axis=1) < AT_VERTEX):
                 continue  # the convex vertex is the leaf; at a reflex one curvature may have its peak
             cell, at = (int(cells[m]), float(s[m])) if flat else sharpen(reference, cells[a : b + 1], s[a : b + 1])
             disc = np.array([*(point[m] + normal[m] / k[m]), 1 / k[m]])
@@ -120,7 +123,7 @@ def smooth_chains(reference: Reference) -> list[tuple[Ints, Floats]]:
     """The grid of the boundary in its order, cut at vertices; a loop without one wraps round once more."""
     grid = reference.boundary.grid.shape[1]
     loop_of = np.array([reference.names[o][0] for o in reference.boundary.owner])
-    cuts = {c.cell for c in reference.corners}
+    cuts = {c.cell for c in reference.corners} | {b.before for b in reference.bends}
     chains = []
     for loop in range(len(reference.loops)):
         cells = [int(c) for c in np.nonzero(loop_of == loop)[0]]
@@ -133,7 +136,9 @@ def smooth_chains(reference: Reference) -> list[tuple[Ints, Floats]]:
             turned = cells[ends[-1] + 1 :] + cells[: ends[-1] + 1]
             stops = [0, *(turned.index(cells[i]) + 1 for i in sorted(ends, key=lambda i: turned.index(cells[i])))]
             pieces = [turned[a:b] for a, b in pairwise(stops)]
-        for piece in pieces:
+        for piece in ([c for c in piece if not reference.bent[c]] for piece in pieces):
+            if not piece:
+                continue
             chains.append(
                 (np.repeat(np.array(piece, dtype=np.int64), grid), np.tile(np.linspace(0, 1, grid), len(piece)))
             )

@@ -14,6 +14,7 @@ the nearest point, repeat. Everything works in *normalised* coordinates: (input 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -28,12 +29,21 @@ Ints = NDArray[np.int64]
 
 CELL_LENGTH = 1 / 150  # longest cell, in units of the domain's larger side: thousands of cells a shape
 CELL_SAG = 0.008  # sag / chord of a cell: about 4 degrees of turning
+CELL_COSINE = 0.995  # of the angle between a leg of a cell and its chord, 6 degrees: a bend at an end moves the chord by nothing
 CELL_LEGS = 3.0  # longest / shortest leg of a cell's control polygon: short handles hide sharp bends
-DEEPEST = 34  # halvings of a span: below this a cell is at rounding level
+CELL_WEIGHTS = 16.0  # largest / smallest weight of a cell
+EVEN = 4.0  # ratio of the weights at both ends of a cell up to which they are left as they are
+UNEVEN_LENGTH = 1e-9  # cells of a length below this may be uneven
+BENT_LENGTH = 1e-14  # nor are shorter ones cut because they are bent: what they bend by is a vertex to any disc
+DEEPEST = 100  # halvings of a span: below this a cell is at rounding level
 GRID = 9  # parameters per cell where the sign of the derivative of the distance is looked at
 TIE = 1e-14  # distances closer than this are taken as equal
 OWN_BLUR = 3e-7  # error of a disc that its own curvature bounds: its partner is nearer than (TIE / k'')^(1/4)
 SMOOTH_TURN = 1e-12  # turning given to a smooth vertex of infinite curvature
+NO_LEG = 1e-18  # the widest floats tell no direction of a leg shorter than this,
+AT_REST = 1e-7  # nor is one that is this short for its cell where that goes
+TINY = 2e-13  # cells shorter than this are part of one bend with their neighbours
+HAIRPIN = 0.1  # radians; a bend of such cells that turns by less is no vertex
 CORNER = 1e-6  # radians of turning that make a vertex, the default of the option smooth_angle
 
 
@@ -95,14 +105,18 @@ def full_knots(edge: dict[str, Any]) -> Floats:
 
 
 class CurveSet:
-    """A set of rational B-splines of any dimension, cut into cells, that answers nearest-point queries."""
+    """A set of rational B-splines of any dimension, cut into cells, that answers nearest-point queries.
+
+    Each cell keeps its control points relative to its own start, and its end weights alike (`skew`): a bend of 1e-13 that an
+    edge with weights from 1e-6 to 1e6 runs through within 1e-20 of its parameter has cells with tangents and curvatures.
+    """
 
     def __init__(self, curves: list[tuple[int, Floats, Floats]], cell_length: float = CELL_LENGTH) -> None:
         """`curves`: (degree, knots, homogeneous control points) each; coordinates of size about one."""
         self.degree = max(degree for degree, _, _ in curves)
         owner, u0, u1, control = [], [], [], []
         for i, (degree, knots, points) in enumerate(curves):
-            for a, b, bezier in bezier_spans(points, knots, degree):
+            for a, b, bezier in bezier_spans(np.asarray(points, dtype=np.longdouble), knots, degree):
                 owner.append(i)
                 u0.append(a)
                 u1.append(b)
@@ -110,19 +124,18 @@ class CurveSet:
         self.owner: Ints = np.array(owner, dtype=np.int64)
         self.u0: Floats = np.array(u0)
         self.u1: Floats = np.array(u1)
-        self.control: Floats = np.array(control)
+        self.skew: Floats = np.ones(len(owner))
+        self._control = np.array(control, dtype=np.longdouble)
+        self._start = np.zeros((len(owner), self._control.shape[2] - 1), dtype=np.longdouble)
+        self._settle(np.arange(len(owner)))
         for _ in range(DEEPEST):
             if not self._halve(cell_length):
                 break
-        order = np.lexsort((self.u0, self.owner))
-        self.owner, self.u0, self.u1, self.control = (
-            self.owner[order],
-            self.u0[order],
-            self.u1[order],
-            self.control[order],
-        )
-        self.start, self.end = self._project(self.control[:, 0]), self._project(self.control[:, -1])
-        self.sag = self._sag()
+        self.control: Floats = self._control.astype(float)
+        self.start: Floats = self._start.astype(float)
+        self.end: Floats = (self._start + self._project(self._control[:, -1])).astype(float)
+        self.length: Floats = np.sum(np.linalg.norm(np.diff(self._project(self.control), axis=1), axis=2), axis=1)
+        self.sag = self._sag().astype(float)
         self.half = 0.5 * np.linalg.norm(self.end - self.start, axis=1) + self.sag
         s = np.repeat(np.linspace(0, 1, GRID)[None], len(self.owner), axis=0)
         cells = np.repeat(np.arange(len(self.owner))[:, None], GRID, axis=1)
@@ -133,37 +146,59 @@ class CurveSet:
         self.start_tree = cKDTree(self.grid.reshape(-1, self.grid.shape[2]))
 
     @staticmethod
-    def _project(h: Floats) -> Floats:
-        return np.asarray(h[..., :-1] / h[..., -1:])
+    def _project(h: Any) -> Any:
+        return h[..., :-1] / h[..., -1:]
 
-    def _sag(self) -> Floats:
+    def _settle(self, cells: Ints) -> None:
+        """Control points of these cells relative to the cells' starts; end weights alike where they are not.
+
+        Weights w_i c^i belong to the same curve: u0 + (u1 - u0) s / (s + skew (1 - s)) is the parameter at s.
+        """
+        d = self._control[cells]
+        first = self._project(d[:, 0])
+        self._start[cells] += first
+        d[:, :, :-1] -= first[:, None] * d[:, :, -1:]
+        ratio = d[:, -1, -1] / d[:, 0, -1]
+        factor = np.where((ratio < EVEN) & (ratio > 1 / EVEN), 1.0, ratio ** (-1.0 / self.degree))
+        d *= (factor[:, None] ** np.arange(self.degree + 1))[:, :, None]
+        d /= d[:, :1, -1:]
+        self.skew[cells] /= factor.astype(float)
+        self._control[cells] = d
+
+    def _sag(self) -> Any:
         """Largest distance of a control point from the chord of its cell, (cells,)."""
-        p = self._project(self.control)
-        return np.asarray(np.max(np.linalg.norm(p - _closest_on_chords(p, p[:, :1], p[:, -1:]), axis=2), axis=1))
+        p = self._project(self._control)
+        return np.max(np.linalg.norm(p - _closest_on_chords(p, p[:, :1], p[:, -1:]), axis=2), axis=1)
 
     def _halve(self, cell_length: float) -> bool:
-        """Halve the cells that are too long, too bent or too uneven; False when there were none."""
-        p = self._project(self.control)
+        """Halve the cells that are too long, too bent or too uneven, where they are; False when there were none."""
+        p = self._project(self._control)
+        weights = self._control[:, :, -1]
         chord = np.linalg.norm(p[:, -1] - p[:, 0], axis=1)
         legs = np.linalg.norm(np.diff(p, axis=1), axis=2)
         length = np.sum(legs, axis=1)
-        uneven = legs.max(axis=1) > CELL_LEGS * legs.min(axis=1)
+        uneven = (legs.max(axis=1) > CELL_LEGS * legs.min(axis=1)) | (weights.max(axis=1) > CELL_WEIGHTS * weights.min(axis=1))
         bent = self._sag() > CELL_SAG * chord
-        bad = (length > cell_length) | (uneven & (length > 1e-9)) | (bent & (length > 1e-11))
+        along = np.einsum("ijk,ik->ij", np.diff(p, axis=1), p[:, -1] - p[:, 0])
+        bent |= ((along < CELL_COSINE * legs * chord[:, None]) & (legs > NO_LEG)).any(axis=1)
+        bad = (length > cell_length) | (uneven & (length > UNEVEN_LENGTH)) | (bent & (length > BENT_LENGTH))
         if not bad.any():
             return False
-        left, right, d = [self.control[bad][:, 0]], [self.control[bad][:, -1]], self.control[bad]
+        left, right, d = [self._control[bad][:, 0]], [self._control[bad][:, -1]], self._control[bad]
         while d.shape[1] > 1:
             d = 0.5 * (d[:, :-1] + d[:, 1:])
             left.append(d[:, 0])
             right.append(d[:, -1])
-        mid = 0.5 * (self.u0[bad] + self.u1[bad])
-        self.control = np.concatenate([self.control[~bad], np.stack(left, axis=1), np.stack(right[::-1], axis=1)])
-        self.owner = np.concatenate([self.owner[~bad], self.owner[bad], self.owner[bad]])
-        self.u0, self.u1 = (
-            np.concatenate([self.u0[~bad], self.u0[bad], mid]),
-            np.concatenate([self.u1[~bad], mid, self.u1[bad]]),
-        )
+        u0, u1, skew = self.u0[bad], self.u1[bad], self.skew[bad]
+        middle = u0 + (u1 - u0) / (1 + skew)
+        source = np.repeat(np.arange(len(bad)), 1 + bad)
+        for name in ("owner", "u0", "u1", "skew", "_control", "_start"):
+            setattr(self, name, getattr(self, name)[source])
+        first = (np.cumsum(1 + bad) - 2)[bad]
+        self.u1[first], self.u0[first + 1] = middle, middle
+        self.skew[first], self.skew[first + 1] = 2 * skew / (1 + skew), 0.5 * (1 + skew)
+        self._control[first], self._control[first + 1] = np.stack(left, axis=1), np.stack(right[::-1], axis=1)
+        self._settle(np.concatenate([first, first + 1]))
         return True
 
     def evaluate(self, cell: Ints, s: Floats) -> tuple[Floats, Floats, Floats]:
@@ -180,13 +215,16 @@ class CurveSet:
         w = h0[:, -1:]
         c = h0[:, :-1] / w
         c1 = (h1[:, :-1] - h1[:, -1:] * c) / w
-        return c, c1, (h2[:, :-1] - 2 * h1[:, -1:] * c1 - h2[:, -1:] * c) / w
+        return self.start[cell] + c, c1, (h2[:, :-1] - 2 * h1[:, -1:] * c1 - h2[:, -1:] * c) / w
 
     def locate(self, owner: int, u: float) -> tuple[int, float]:
         """The cell of curve `owner` that holds parameter u, and the cell's own parameter."""
         first, last = np.searchsorted(self.owner, [owner, owner + 1])
         i = int(np.clip(np.searchsorted(self.u0[first:last], u, side="right") - 1, 0, last - first - 1)) + int(first)
-        return i, float(np.clip((u - self.u0[i]) / (self.u1[i] - self.u0[i]), 0.0, 1.0))
+        if not self.u0[i] < self.u1[i]:
+            return i, 0.0
+        share = float(np.clip((u - self.u0[i]) / (self.u1[i] - self.u0[i]), 0.0, 1.0))
+        return i, share * self.skew[i] / (share * self.skew[i] + 1 - share)
 
     def points(self, owner: Ints, u: Floats) -> Floats:
         """Positions at curve parameters."""
@@ -304,6 +342,19 @@ class Corner(NamedTuple):
     normal_out: Floats
 
 
+class Bend(NamedTuple):
+    """Cells in a row that are all `TINY` and turn by a `HAIRPIN` or more: a vertex, with the cells before and after it.
+
+    To a disc it turns at once by `turn`, from the one to the other; `left` is what it turns left by on its way.
+    """
+
+    cells: Ints
+    before: int
+    after: int
+    turn: float
+    left: float
+
+
 @dataclass(frozen=True)
 class Reference:
     """The oracle of one domain, given as the JSON object of the contract; joints that turn by no more are smooth."""
@@ -371,13 +422,45 @@ class Reference:
     def ends(self) -> tuple[Floats, Floats]:
         """Unit tangents at the start and end of every cell, in the direction of u; safe at zero speed."""
         p = self.boundary.control[:, :, :2] / self.boundary.control[:, :, 2:]
-        return _first_direction(p), -_first_direction(p[:, ::-1])
+        least = np.maximum(AT_REST * self.boundary.length, NO_LEG)[:, None]
+        return _first_direction(p, least), -_first_direction(p[:, ::-1], least)
+
+    @cached_property
+    def bends(self) -> list[Bend]:
+        """Bends that are vertices to any disc: all of the turning happens within some 1e-12 of the point."""
+        t0, t1 = self.ends
+        within = np.arctan2(t0[:, 0] * t1[:, 1] - t0[:, 1] * t1[:, 0], np.sum(t0 * t1, axis=1)) * self.side
+        tiny = self.boundary.length < TINY
+        back = np.argsort(self.follow)
+        found = []
+        for first in np.nonzero(tiny & ~tiny[back])[0]:
+            run = [int(first)]
+            while tiny[self.follow[run[-1]]]:
+                run.append(int(self.follow[run[-1]]))
+            before, after = int(back[first]), int(self.follow[run[-1]])
+            turns = np.concatenate([within[run], self.turns[[before, *run]]])
+            if np.abs(turns).sum() < HAIRPIN:
+                continue
+            turn = math.atan2(t1[before, 0] * t0[after, 1] - t1[before, 1] * t0[after, 0], float(t1[before] @ t0[after]))
+            found.append(Bend(np.array(run), before, after, turn * self.side[first], float(turns[turns > 0].sum())))
+        return found
+
+    @cached_property
+    def bent(self) -> NDArray[np.bool_]:
+        """(cells,) True for those of a bend."""
+        result = np.zeros(len(self.follow), dtype=bool)
+        for bend in self.bends:
+            result[bend.cells] = True
+        return result
 
     @cached_property
     def corners(self) -> list[Corner]:
         """Every vertex of the boundary, with the interior on the left."""
         t0, t1 = self.ends
-        before, after, turn = t1, t0[self.follow], self.turns
+        before, after, turn = t1.copy(), t0[self.follow], self.turns.copy()
+        turn[self.bent | self.bent[self.follow]] = 0.0
+        for bend in self.bends:
+            turn[bend.before], after[bend.before] = bend.turn, t0[bend.after]
         found = []
         for i in np.nonzero(self.stalls & (np.abs(turn) <= self.smooth_angle))[0]:  # curvature +inf: a vertex of angle pi
             normal = _left(before[i] * self.side[i])
@@ -422,18 +505,12 @@ class Reference:
         """(cells,) angle from each cell to its follower, radians, left positive; what rounding makes of tiny cells is none.
 
         Between knots, and at those of less than full multiplicity, a curve turns at once only where it stands still, right back.
-        Between edges their own control points tell: the cells beside a tight bend are as small as 1e6 roundings.
         """
-        t0, t1 = self.ends
-        before, after = t1.copy(), t0[self.follow]
+        after, before = self.ends
+        after = after[self.follow]
         edges = [e for loop in self.loops for e in loop]
-        origin, size = self.frame
-        points = [(np.array(e["control_points"], dtype=float)[None] - origin) / size for e in edges]
         knots = [full_knots(e) for e in edges]
         owner = self.boundary.owner
-        for i in np.nonzero([knots[o][-1] == u for o, u in zip(owner, self.boundary.u1, strict=True)])[0]:
-            before[i] = -_first_direction(points[owner[i]][:, ::-1])[0]
-            after[i] = _first_direction(points[owner[self.follow[i]]])[0]
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         turn: Floats = np.arctan2(cross, np.sum(before * after, axis=1)) * self.side
         where = zip(owner, self.boundary.u1, strict=True)
@@ -451,8 +528,8 @@ class Reference:
             with np.errstate(invalid="ignore"):
                 k_near = self.at(cell, np.full(len(cell), near))[2]
                 k_far = self.at(cell, np.full(len(cell), far))[2]
-                result |= (speed < 1e-12) & (k_near > 10 * k_far) & (k_far > 0)
-        return result
+                result |= (speed < AT_REST * self.boundary.length[cell]) & (k_near > 10 * k_far) & (k_far > 0)
+        return result & ~self.bent & ~self.bent[self.follow]
 
     def inside(self, points: Floats) -> NDArray[np.bool_]:
         """Crossing number on the chords of the cells: right beyond a sag of the boundary."""
@@ -500,20 +577,20 @@ class Reference:
         return Discs(p + r[:, None] * normal, r, partner, blur)
 
 
-def _edge_points(edge: dict[str, Any], origin: Floats, size: float) -> Floats:
-    points = (np.array(edge["control_points"], dtype=float) - origin) / size
+def _edge_points(edge: dict[str, Any], origin: Floats, size: float) -> Any:
+    points = (np.array(edge["control_points"], dtype=np.longdouble) - origin) / size
     given = edge.get("weights")
-    return homogeneous(points, np.ones(len(points)) if given is None else np.array(given, dtype=float))
+    return homogeneous(points, np.ones(len(points), np.longdouble) if given is None else np.array(given, dtype=np.longdouble))
 
 
 def _left(v: Floats) -> Floats:
     return np.stack([-v[..., 1], v[..., 0]], axis=-1)
 
 
-def _first_direction(p: Floats) -> Floats:
-    """Direction from p[:, 0] to the first control point that differs from it."""
+def _first_direction(p: Any, least: float | Any) -> Floats:
+    """Direction from p[:, 0] to the first control point that differs from it by more than `least`."""
     legs = p[:, 1:] - p[:, :1]
     lengths = np.linalg.norm(legs, axis=2)
-    first = np.argmax(lengths > 1e-14, axis=1)
+    first = np.argmax(lengths > least, axis=1)
     rows = np.arange(len(p))
-    return np.asarray(legs[rows, first] / np.maximum(lengths[rows, first], 1e-300)[:, None])
+    return np.asarray(legs[rows, first] / np.maximum(lengths[rows, first], 1e-300)[:, None], dtype=float)

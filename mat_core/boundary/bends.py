@@ -10,9 +10,10 @@ from mat_core.kernels.jit import inner
 
 IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
 AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
-TRIM = 2e-13  # a bend at an end of an edge that is shorter than this is cut off: no disc tells it from the vertex
+TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tighter, is cut off: no disc tells it from the vertex
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
 HAIRPIN = 0.1  # radians; what turns by less is no such bend
+FAINT_TURN = 1e-9  # radians; a rise of the curvature at an end that turns by less is none
 TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
 SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
 
@@ -90,7 +91,8 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
     handle = math.sqrt((cp[q, 0] - cp[p, 0]) ** 2 + (cp[q, 1] - cp[p, 1]) ** 2)
     if tip < 0 and (handle == 0.0 or handle > SHORT_HANDLE):
         return float(end)
-    near = roots[tip] if tip >= 0 else float(end)
+    begin = roots[tip] if tip >= 0 else float(end)
+    near = begin
     far = 1.0 - end
     beyond = tip + 1 if end == 0 else (tip if tip >= 0 else n_roots) - 1
     if 0 <= beyond < n_roots:
@@ -101,15 +103,44 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
             near = m
         else:
             far = m
-    turning = total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end)))
-    return far if turning > HAIRPIN else float(end)
+    if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) <= HAIRPIN:
+        return float(end)
+    # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either
+    if 0.0 < _curvature(cp, c0, deg, rational, far) * TRIM < 1.0:
+        near = begin
+        for _ in range(60):
+            m = 0.5 * (near + far)
+            if _curvature(cp, c0, deg, rational, m) * TRIM > 1.0:
+                near = m
+            else:
+                far = m
+    return far
 
 
 @inner
-def tight_cut(cp, c0, deg, rational, begin, end):
+def end_curvature(cp, c0, deg, rational, at, other, k):
+    """Curvature k > 0 at an end of a Bezier; 0 if it has risen from below zero within `FAINT_TURN` of there, on the way from `other`.
+
+    A disc no larger than the domain that this curvature bounds ends on the last 1e-9 and reaches over the boundary by 1e-18
+    without that. At a reflex vertex it would be a leaf, and a branch of discs that touch the vertex and what is beside it.
+    """
+    near = at
+    far = other
+    for _ in range(60):
+        m = 0.5 * (near + far)
+        if _curvature(cp, c0, deg, rational, m) > 0.0:
+            near = m
+        else:
+            far = m
+    return 0.0 if k * _apart(cp, c0, deg, rational, at, far) < FAINT_TURN else k
+
+
+@inner
+def tight_cut(cp, c0, deg, rational, begin, end, rounding):
     """Where half the turn of a part lies behind, if nearly all of it happens in a tight bend at one of its ends; else `end`.
 
     Cut again and again the parts grow away from the bend as its radius does: the parameter of none has too few digits there.
+    A bend within the rounding of coordinates stays in one part with what is beside it: a part of 1e-18 is no side of a disc.
     """
     x, y, ax, ay, bx, by = from_nearer_end(cp, c0, deg, rational, begin)
     x, y, dx, dy, ex, ey = from_nearer_end(cp, c0, deg, rational, end)
@@ -131,4 +162,6 @@ def tight_cut(cp, c0, deg, rational, begin, end):
             lo = m
         else:
             hi = m
+    if min(_apart(cp, c0, deg, rational, begin, lo), _apart(cp, c0, deg, rational, lo, end)) < SHORT * rounding:
+        return end
     return lo if begin < lo < end else end

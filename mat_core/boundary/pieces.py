@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import from_nearer_end, is_idle, tight_cut, total_turning, trimmed
+from mat_core.boundary.bends import end_curvature, from_nearer_end, is_idle, tight_cut, total_turning, trimmed
 from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, place_part
 from mat_core.boundary.joints import end_frame
 from mat_core.kernels.bezier import balance, restrict
@@ -71,6 +71,12 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
         pieces_f[row, P_FRAME + 3 * side] = tx
         pieces_f[row, P_FRAME + 3 * side + 1] = ty
         pieces_f[row, P_FRAME + 3 * side + 2] = k
+    before = pieces_f[row, P_FRAME + 2]
+    after = pieces_f[row, P_FRAME + 5]
+    if begin == 0.0 and before > 0.0 > after:
+        pieces_f[row, P_FRAME + 2] = end_curvature(cp, c0, deg, rational, begin, end, before)
+    elif end == 1.0 and after > 0.0 > before:
+        pieces_f[row, P_FRAME + 5] = end_curvature(cp, c0, deg, rational, end, begin, after)
 
 
 @inner
@@ -130,12 +136,12 @@ def _chain(cp, c0, deg, pieces_i, pieces_f, first, longest, count):
 
 
 @inner
-def _gentle_end(cp, c0, deg, rational, begin, end, kind):
+def _gentle_end(cp, c0, deg, rational, begin, end, kind, rounding):
     """How far a piece from `begin` on may go: it turns by little more than a right angle, and by no tight bend at an end."""
     while end - begin > SHORTEST and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
         end = begin + 0.5 * (end - begin)
     while kind == SPIRAL:
-        cut_at = tight_cut(cp, c0, deg, rational, begin, end)
+        cut_at = tight_cut(cp, c0, deg, rational, begin, end, rounding)
         if not cut_at < end:
             break
         end = cut_at
@@ -187,7 +193,7 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             if is_idle(cp, c0, deg, rational, begin, stop, rounding) or is_idle(cp, c0, deg, rational, stop, last, rounding):
                 continue
         while begin < stop:
-            end = stop if kind == LINE else _gentle_end(cp, c0, deg, rational, begin, stop, kind)
+            end = stop if kind == LINE else _gentle_end(cp, c0, deg, rational, begin, stop, kind, rounding)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                 return -1, cp_used
             pieces_f[count, P_X], pieces_f[count, P_Y] = place_part(cp, c0, deg, rational, begin, end, table, cp_used)

@@ -112,12 +112,12 @@ def circles(seed: int, rng: Rng) -> Json:
     return {"outer": outer, "holes": holes}
 
 
-def multiple_knots(seed: int, rng: Rng) -> Json:
-    """Rational splines whose knots have any multiplicity up to the degree, weights from 1e-3 to 1e3."""
+def multiple_knots(seed: int, rng: Rng, spread: float = 3.0, degrees: tuple[int, int] = (2, 6)) -> Json:
+    """Rational splines whose knots have any multiplicity up to the degree; weights within 10^-spread and 10^spread."""
     corners, edges = int(rng.integers(3, 6)), []
     radii = [float(r) for r in rng.uniform(0.7, 1.2, corners)]
     for i in range(corners):
-        degree = int(rng.integers(2, 7))
+        degree = int(rng.integers(degrees[0], degrees[1] + 1))
         inner = [float(u) for u in np.sort(rng.uniform(0.1, 0.9, 3)) for _ in range(int(rng.integers(0, degree + 1)))]
         count = degree + 1 + len(inner)
         f = np.concatenate([[0.0], (np.arange(1, count - 1) + rng.uniform(-0.3, 0.3, count - 2)) / (count - 1), [1.0]])
@@ -125,9 +125,14 @@ def multiple_knots(seed: int, rng: Rng) -> Json:
         r[1:-1] *= rng.uniform(0.8, 1.2, count - 2)
         points = [list(F.polar(float(a), 2 * math.pi * (i + float(b)) / corners)) for a, b in zip(r, f, strict=True)]
         knots = [0.0] * (degree + 1) + inner + [1.0] * (degree + 1)
-        weights = [_decades(rng, -3, 3) for _ in points]
+        weights = [_decades(rng, -spread, spread) for _ in points]
         edges.append({"degree": degree, "control_points": points, "knots": knots, "weights": weights})
     return {"outer": joined(edges), "holes": []}
 
 
-CURVES: dict[str, Callable[[int, Rng], Json]] = {f.__name__: f for f in (rose, stroke, circles, multiple_knots)}
+def wide_weights(seed: int, rng: Rng) -> Json:
+    """The same with weights from 1e-6 to 1e6, and degrees up to 20: bends of any tightness, nearly all of an edge within 1e-12 of u."""
+    return multiple_knots(seed, rng, 6.0, (1, 20) if seed % 8 == 7 else (1, 5))
+
+
+CURVES: dict[str, Callable[[int, Rng], Json]] = {f.__name__: f for f in (rose, stroke, circles, multiple_knots, wide_weights)}

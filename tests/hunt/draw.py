@@ -235,6 +235,7 @@ FAMILIES: dict[str, Callable[[int, Rng], Json]] = {
     "smooth_holes": smooth_holes,
     "splines": splines,
     "rationals": partial(splines, spread=3.0),
+    "rationals_wide": partial(splines, spread=6.0),
     "rationals_mild": partial(splines, spread=0.7),
     "line_arc": partial(star_shaped, kinds="la"),
     "mixed": partial(star_shaped, kinds="laqc"),
