@@ -31,9 +31,9 @@ class Flattening(NamedTuple):
     error: NDArray[np.float64]  # (K,) largest distance between a loop and its ring
 
 
-def flatten(outline: Outline, loops: Sequence[int]) -> Flattening:
+def flatten(outline: Outline, loops: Sequence[int] | NDArray[np.int64]) -> Flattening:
     """Rings of the loops named (ascending). Assumes that each encloses some area or crosses itself."""
-    chosen = np.array(loops, dtype=np.int64)
+    chosen = np.asarray(loops, dtype=np.int64)
     pieces = int((outline.piece_start[chosen + 1] - outline.piece_start[chosen]).sum())
     most = max(FEWEST_CHORDS, min(MOST_CHORDS, MOST_POINTS // pieces))
     points, ring = np.empty((most * pieces, 2)), np.empty(most * pieces, dtype=np.int64)

@@ -124,10 +124,9 @@ class Outline(NamedTuple):
         """Whether some of these parts of pieces are bent, and they are not too many already."""
         return len(piece) <= MOST_PARTS * len(self.pi) // 2 and bool((self.pi[:, columns.DEG] > 1).any())
 
-    def first_point(self, loop: int) -> tuple[float, float]:
-        """Where a loop in use begins, normalised."""
-        x, y = self.cp[self.pi[self.piece_start[loop], columns.CP0], :2].tolist()
-        return x, y
+    def first_points(self, loops: NDArray[np.int64] | int) -> NDArray[np.float64]:
+        """Where loops in use begin, normalised: (2,) of one, (K, 2) of several."""
+        return self.cp[self.pi[self.piece_start[loops], columns.CP0], :2]
 
     def extent(self, loop: int) -> tuple[float, float, float, float]:
         """Tight normalised bounds of a loop's curve: xmin, ymin, xmax, ymax."""
