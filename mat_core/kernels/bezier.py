@@ -53,7 +53,7 @@ def blend(rows: Floats, i: int, j: int, k: int, a: float) -> None:
 
 @jit
 def count_beziers(degree: Ints, cp_start: Ints) -> tuple[int, int, int, int, int]:
-    """Room for the Beziers of edges: (Beziers, their control points; most of one edge, most that one is given, highest degree)."""
+    """Room for the Beziers of all edges: (Beziers, their control points; most of one edge, most given of one, highest degree)."""
     beziers = points = most_of_edge = longest = highest = 0
     for edge in range(degree.shape[0]):
         d = degree[edge]

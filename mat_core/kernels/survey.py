@@ -115,8 +115,9 @@ def survey(
         x = cp[i, 0]
         y = cp[i, 1]
         w = cp[i, 2]
-        if not (abs(x) < math.inf and abs(y) < math.inf):
-            reach = math.inf
+        far = larger(abs(x), abs(y))
+        if not far <= reach:
+            reach = far if far == far else math.inf
         if not w >= lightest:
             lightest = w if w < lightest else -1.0
         heaviest = max(heaviest, w)
@@ -140,7 +141,7 @@ def survey(
             least = min(least, extent[e])
             if not knots_are_sound(knots, knot_start[e], knot_start[e + 1] - 1, degree[e], half_range):
                 sound = 0.0
-    facts[REACH] = reach if reach == math.inf else max(reach, -x0, x1, -y0, y1)
+    facts[REACH] = reach
     facts[XMIN] = x0
     facts[YMIN] = y0
     facts[XMAX] = x1

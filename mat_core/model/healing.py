@@ -47,7 +47,7 @@ def shrink_specks(
     nothing else.
     """
     arrays, extent = draft.arrays, seen.extent
-    if seen.usable and seen.least_extent > speck:
+    if seen.sound and seen.least_extent > speck:
         return arrays, []
     loop_of = np.repeat(np.arange(len(use)), np.diff(arrays.loop_start))
     small = (extent <= speck) & use.astype(np.bool_)[loop_of]

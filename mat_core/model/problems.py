@@ -138,7 +138,7 @@ def _sorted(problems: list[Problem]) -> list[Problem]:
 
 def _frame(arrays: BoundaryArrays, seen: Survey, use: NDArray[np.int64], healed: bool) -> Frame:
     """The frame of the loops in use."""
-    if use.all() and not healed:
+    if seen.sound and not healed and use.all():
         return frame_of(seen.box, seen.largest, seen.widest_gap)
     used = use.astype(np.bool_)
     rows = np.repeat(used, np.diff(arrays.cp_start[arrays.loop_start]))

@@ -171,10 +171,11 @@ def _gather(loops: list[list[Any]], empty_loops: bool = False) -> tuple[Boundary
     if not set(map(type, numbers)) <= NUMBERS:
         return None
     try:
-        values = np.array(numbers, dtype=np.float64)
+        values = np.fromiter(numbers, np.float64, len(numbers))  # twice as fast as np.array
     except OverflowError:
         return None
-    table = np.array([*degrees, *counts, *knot_counts, *weight_counts, *map(len, loops)], dtype=np.int64)
+    counted = [*degrees, *counts, *knot_counts, *weight_counts, *map(len, loops)]
+    table = np.fromiter(counted, np.int64, len(counted))
     return _laid_out(table, values, len(edges), len(points), sum(degrees), len(loops))
 
 

@@ -28,8 +28,7 @@ class Survey(NamedTuple):
     largest: float  # magnitude of a coordinate, of those that are usable: not beyond LARGEST
     size: float  # the larger side of the box of all points with usable coordinates
     box: tuple[float, float, float, float]  # xmin, ymin, xmax, ymax of all control points; meaningless if not usable
-    usable: bool  # all coordinates are
-    sound: bool  # and all weights and knots keep their rules, for sure
+    sound: bool  # all coordinates are usable, all weights and knots keep their rules, for sure
     least_extent: float
     widest_gap: float
 
@@ -46,7 +45,7 @@ def survey(arrays: BoundaryArrays) -> Survey:
         largest, size = reach, max(x1 - x0, y1 - y0)
     else:
         largest, size = _usable_extremes(arrays.cp)
-    return Survey(extent, gaps, largest, size, (x0, y0, x1, y1), usable, sound, least_extent, widest_gap)
+    return Survey(extent, gaps, largest, size, (x0, y0, x1, y1), sound, least_extent, widest_gap)
 
 
 def _usable_extremes(cp: NDArray[np.float64]) -> tuple[float, float]:
