@@ -8,22 +8,6 @@ from mat_core.kernels.jit import inner, jit
 
 
 @jit
-def count_beziers(degree, cp_start):
-    """Room for `cut_edges`: (Beziers, their control points; most of one edge, most that one is given, highest degree)."""
-    beziers = points = most_of_edge = longest = highest = 0
-    for edge in range(degree.shape[0]):
-        d = degree[edge]
-        given = cp_start[edge + 1] - cp_start[edge]
-        spans = max(given - d, 1)
-        beziers += spans
-        points += spans * (d + 1)
-        most_of_edge = max(most_of_edge, given * (d + 1))
-        longest = max(longest, given)
-        highest = max(highest, d)
-    return beziers, points, most_of_edge, longest, highest
-
-
-@jit
 def cut_edges(
     degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding, moved, span_cp, breaks,
     bez_i, bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds, roots,

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.boundary.curvature import SCRATCH_ROWS, scratch_width
-from mat_core.boundary.edges import count_beziers, cut_edges
+from mat_core.boundary.edges import cut_edges
 from mat_core.boundary.filling import fill_sites
 from mat_core.boundary.pieces import PF_WIDTH, PI_WIDTH
 from mat_core.kernels.bernstein import MAX_DEPTH
+from mat_core.kernels.bezier import count_beziers
 from mat_core.kernels.layout import SF_WIDTH, SI_WIDTH
 from mat_core.model.domain import Domain
 from mat_core.tolerances import Tolerances

@@ -52,6 +52,22 @@ def blend(rows: Floats, i: int, j: int, k: int, a: float) -> None:
 
 
 @jit
+def count_beziers(degree: Ints, cp_start: Ints) -> tuple[int, int, int, int, int]:
+    """Room for the Beziers of all edges: (Beziers, their control points; most of one edge, most given of one, highest degree)."""
+    beziers = points = most_of_edge = longest = highest = 0
+    for edge in range(degree.shape[0]):
+        d = degree[edge]
+        given = cp_start[edge + 1] - cp_start[edge]
+        spans = max(given - d, 1)
+        beziers += spans
+        points += spans * (d + 1)
+        most_of_edge = max(most_of_edge, given * (d + 1))
+        longest = max(longest, given)
+        highest = max(highest, d)
+    return beziers, points, most_of_edge, longest, highest
+
+
+@jit
 def decompose(
     degree: int,
     knots: Floats,

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.bezier import Floats, Ints, restrict
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.joints import (
     AHEAD,
     BEHIND,
@@ -100,7 +100,7 @@ def joined_by_right(rows: Floats, p: int, q: int, path: float, gap: float, cusp_
     return dot < 0.0 and abs(ax * by - ay * bx) <= -STRAIGHT_BACK * dot
 
 
-@jit
+@inner
 def compare_joints(
     pi: Ints,
     pf: Floats,
@@ -111,13 +111,10 @@ def compare_joints(
     work: Floats,
     tasks: Floats,
     hits: Floats,
-    counts: Ints,
-) -> None:
-    """All adjacent pairs: what runs back is a hit, what needs a closer look a task; counts[0] hits and counts[1] tasks
-    are added to.
-    """
-    found = counts[0]
-    planned = counts[1]
+) -> tuple[int, int]:
+    """All adjacent pairs: what runs back is a hit, what needs a closer look a task; returns the numbers of hits and tasks."""
+    found = 0
+    planned = 0
     for loop in range(piece_start.shape[0] - 1):
         first = piece_start[loop]
         n = piece_start[loop + 1] - first
@@ -142,11 +139,10 @@ def compare_joints(
                 hits[found, 3] = 0.0 if status == CROSS else 0.5
                 hits[found, 4] = TIP if status == CROSS else OVERLAP
                 found += 1
-    counts[0] = found
-    counts[1] = planned
+    return found, planned
 
 
-@jit
+@inner
 def compare_closely(
     pi: Ints,
     pcp: Floats,

@@ -119,7 +119,7 @@ def enclose_children(tree: Floats, v: int) -> None:
     tree[v, BREADTH] = 0.5 * (b1 - b0)
 
 
-@jit
+@inner
 def fill_tree(pi: Ints, pcp: Floats, piece: Ints, part: Floats, work: Floats, tree: Floats) -> None:
     """Fill all rows of `tree` (twice a power of two that is at least n, TREE_WIDTH) for n parts."""
     leaves = tree.shape[0] // 2
@@ -170,7 +170,7 @@ def boxes_near(tree: Floats, v: int, w: int, gap: float) -> bool:
     return True
 
 
-@jit
+@inner
 def compare_pairs(
     pi: Ints,
     pf: Floats,

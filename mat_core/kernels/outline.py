@@ -1,12 +1,12 @@
-"""The boundary cut into gentle pieces, and what is read off them by subdivision: area and extent.
+"""The boundary cut into gentle pieces.
 
 A **gentle** piece is a rational Bezier whose control legs all lie within a right angle of each other. Its direction of
 travel then stays in that cone (the hodograph of a rational Bezier with positive weights is a positive combination of
 its legs: Floater, CAGD 9, 1992), so it cannot meet itself, is a graph over its chord, and is at most sqrt(2) chords
 long. A curve is halved until its pieces are gentle; a cusp leaves a speck of extent SPECK.
 
-Coordinates are normalised: size in [0.5, 1] about the origin. Piece tables (`mat_core.model.loop` adds the columns from
-XMIN on):
+Coordinates are normalised: size in [0.5, 1] about the origin. Piece tables (`mat_core.kernels.measuring` adds the columns
+from XMIN on):
 
     pi (n, 4) int64     DEG, CP0 first control row, LOOP, EDGE
     pf (n, 8) float64   UA, UB parameter range on the edge; XMIN, YMIN, XMAX, YMAX control box; LEN length of its
@@ -19,11 +19,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from mat_core.kernels.bezier import Floats, Ints, decompose, restrict
-from mat_core.kernels.curve import bezier_frame
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 
 DEG, CP0, LOOP, EDGE = 0, 1, 2, 3
 UA, UB, XMIN, YMIN, XMAX, YMAX, LEN, CUM = 0, 1, 2, 3, 4, 5, 6, 7
@@ -33,13 +30,6 @@ NOTHING = 1e-15  # control legs this short have no direction: the rounding of no
 RIGHT_ANGLE = -1e-12  # cosine accepted as "within a right angle", so that a quarter circle stays whole
 BLOCK = 32  # rows set aside for one control polygon, more than the largest degree + 1
 NARROWEST = 0.5**50  # parameter range: below it floats run out
-SAME_AREA = 1e-15  # relative, of a sector and its halves
-HIGHEST_EXACT = 16  # degree: 16 Gauss points integrate the area of a polynomial piece exactly
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
-GAUSS_T = 0.5 + 0.5 * _NODES
-GAUSS_W = 0.5 * _WEIGHTS
-
 
 @inner
 def split_range(stack: Floats, row: int, column: int) -> None:
@@ -79,7 +69,7 @@ def is_gentle(rows: Floats, c0: int, degree: int) -> bool:
     return True
 
 
-@jit
+@inner
 def cut_gently(
     use_loop: Ints,
     loop_start: Ints,
@@ -150,73 +140,3 @@ def cut_gently(
             pcp[used - 1, 1] = pcp[pi[first, CP0], 1]
     piece_start[loop_start.shape[0] - 1] = n
     return n
-
-
-@inner
-def gauss_sector(pcp: Floats, c0: int, p: int, rational: int, t0: float, t1: float) -> float:
-    """Area swept about the piece's start over [t0, t1], half the integral of x y' - y x', by 16 Gauss points."""
-    total = 0.0
-    for g in range(GAUSS_T.shape[0]):
-        t = t0 + GAUSS_T[g] * (t1 - t0)
-        x, y, dx, dy, _, _ = bezier_frame(pcp, c0, p, rational, t, pcp[c0, 0], pcp[c0, 1])
-        total += GAUSS_W[g] * (x * dy - y * dx)
-    return 0.5 * total * (t1 - t0)
-
-
-@jit
-def sector_areas(pi: Ints, pcp: Floats, stack: Floats, out: Floats) -> None:
-    """Signed areas (n,) between pieces and their chords; polynomials at once, others halved until the sum stays."""
-    for i in range(pi.shape[0]):
-        p = pi[i, DEG]
-        c0 = pi[i, CP0]
-        rational = 0
-        for k in range(p):
-            if pcp[c0 + k, 2] != pcp[c0 + p, 2]:
-                rational = 1
-        area = 0.0
-        top = 0 if p > 1 else -1
-        stack[0, 0] = 0.0
-        stack[0, 1] = 1.0
-        while top >= 0:
-            t0 = stack[top, 0]
-            t1 = stack[top, 1]
-            tm = 0.5 * (t0 + t1)
-            whole = gauss_sector(pcp, c0, p, rational, t0, t1)
-            if rational == 1 or p > HIGHEST_EXACT:
-                halves = gauss_sector(pcp, c0, p, rational, t0, tm) + gauss_sector(pcp, c0, p, rational, tm, t1)
-                if abs(whole - halves) > 1e-17 + SAME_AREA * abs(halves) and t1 - t0 > 1e-9:
-                    split_range(stack, top, 0)
-                    top += 1
-                    continue
-                whole = halves
-            area += whole
-            top -= 1
-        out[i] = area
-
-
-@jit
-def farthest(pi: Ints, pcp: Floats, axis: int, sign: float, best: float, work: Floats, stack: Floats) -> float:
-    """Largest `sign` * coordinate `axis` on these pieces, or `best` if that is larger: halve what reaches beyond it.
-
-    Stops within NOTHING of the best: below it control points exceed the curve by rounding alone, on every half.
-    """
-    for i in range(pi.shape[0]):
-        p = pi[i, DEG]
-        top = 0
-        stack[0, 0] = 0.0
-        stack[0, 1] = 1.0
-        while top >= 0:
-            restrict(pcp, pi[i, CP0], p, stack[top, 0], stack[top, 1], work, 0)
-            reach = best
-            for k in range(p + 1):
-                value = sign * work[k, axis]
-                if value > reach:
-                    reach = value
-                if value > best and (k == 0 or k == p):
-                    best = value
-            if reach <= best + NOTHING or stack[top, 1] - stack[top, 0] <= NARROWEST:
-                top -= 1
-            else:
-                split_range(stack, top, 0)
-                top += 1
-    return best

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mat_core.model.domain import Domain
 from mat_core.model.flattening import flatten
-from mat_core.model.loop import frame_of, outline_of
+from mat_core.model.loop import box_of, frame_of, outline_of
 from mat_core.model.nesting import ROUNDING, is_inside
 
 
@@ -27,7 +27,7 @@ def inside_domain(domain: Domain, points: NDArray[np.float64]) -> NDArray[np.boo
     """
     arrays = domain.arrays
     loops = np.arange(len(arrays.loop_start) - 1)
-    frame = frame_of(arrays.cp, float(np.abs(arrays.cp[:, :2]).max()))
+    frame = frame_of(box_of(arrays.cp), float(np.abs(arrays.cp[:, :2]).max()))
     outline = outline_of(arrays, np.ones(len(loops), dtype=np.int64), frame)
     flattening = flatten(outline, loops.tolist())
     local = (points - np.array(frame.origin)) * frame.scale

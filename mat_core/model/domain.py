@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from mat_core.kernels.measuring import AREA, LEFT, TOP
 from mat_core.model.curve import RationalBSpline
 from mat_core.model.healing import Note
 from mat_core.model.loop import BoundaryArrays, Frame, Outline
@@ -79,7 +80,7 @@ class Domain:
         arrays, outline = found.arrays, found.outline
         name = obj.get("name") if isinstance(obj, dict) else None
         given = None if found.given.cp is arrays.cp else found.given
-        return cls(arrays, _bounds(arrays, outline), _area(outline), found.options, name, given, found.notes)
+        return cls(arrays, _bounds(outline), _area(outline), found.options, name, given, found.notes)
 
     @property
     def size(self) -> float:
@@ -119,22 +120,19 @@ class Domain:
 
 
 def _area(outline: Outline) -> float:
-    areas = np.abs(outline.measures[:, 0])
+    areas = np.abs(outline.measures[:, AREA])
     return float((areas[0] - areas[1:].sum()) / outline.frame.scale / outline.frame.scale)
 
 
-def _bounds(arrays: BoundaryArrays, outline: Outline) -> tuple[float, float, float, float]:
+def _bounds(outline: Outline) -> tuple[float, float, float, float]:
     """Tight bounds of the outer loop. Where an end of an edge is the extreme its own coordinate is taken, unrounded."""
     frame: Frame = outline.frame
-    last = arrays.loop_start[1]
-    rows = np.concatenate((arrays.cp_start[:last], arrays.cp_start[1 : last + 1] - 1))
-    ends = arrays.cp[rows, :2]
     extent = outline.extent(0)
+    ends = outline.measures[0, LEFT : TOP + 1].tolist()
     bounds = []
     for k, sign in enumerate((-1.0, -1.0, 1.0, 1.0)):
         axis = k % 2
-        own = float(sign * (sign * ends[:, axis]).max())
         reach = sign * extent[k]
-        end_reach = sign * (own - frame.origin[axis]) * frame.scale
-        bounds.append(own if reach <= end_reach else frame.to_input(extent[k], extent[k])[axis])
+        end_reach = sign * (ends[k] - frame.origin[axis]) * frame.scale
+        bounds.append(ends[k] if reach <= end_reach else frame.to_input(extent[k], extent[k])[axis])
     return bounds[0], bounds[1], bounds[2], bounds[3]

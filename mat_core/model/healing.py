@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mat_core.model.loop import BoundaryArrays
 from mat_core.model.reading import Draft
+from mat_core.model.survey import Survey
 from mat_core.model.values import edge_pointer, loop_name, loop_pointer
 
 NOTE_LIMIT = 100  # of each kind; the last one tells how many more there are
@@ -37,22 +38,17 @@ class Note:
     text: str
 
 
-def extents(arrays: BoundaryArrays) -> NDArray[np.float64]:
-    """Largest distance by coordinate (E,) of each edge's control points from its first one."""
-    points, starts = arrays.cp[:, :2], arrays.cp_start
-    with np.errstate(invalid="ignore", over="ignore"):  # edges that are refused for it may be among them
-        offset = np.abs(points - np.repeat(points[starts[:-1]], np.diff(starts), axis=0)).max(axis=1)
-    return np.asarray(np.maximum.reduceat(offset, starts[:-1]), dtype=np.float64)
-
-
-def shrink_specks(draft: Draft, use: NDArray[np.int64], speck: float, join: float) -> tuple[BoundaryArrays, list[Note]]:
+def shrink_specks(
+    draft: Draft, seen: Survey, use: NDArray[np.int64], speck: float, join: float
+) -> tuple[BoundaryArrays, list[Note]]:
     """The arrays with every edge of at most the extent `speck` shrunk onto the start of the next larger one.
 
     Only in loops in use. A row of specks that leads farther than `join` is a shape and stays, and so does a loop of
     nothing else.
     """
-    arrays = draft.arrays
-    extent = extents(arrays)
+    arrays, extent = draft.arrays, seen.extent
+    if seen.sound and seen.least_extent > speck:
+        return arrays, []
     loop_of = np.repeat(np.arange(len(use)), np.diff(arrays.loop_start))
     small = (extent <= speck) & use.astype(np.bool_)[loop_of]
     if not small.any():
@@ -83,9 +79,11 @@ def shrink_specks(draft: Draft, use: NDArray[np.int64], speck: float, join: floa
     return arrays._replace(cp=cp), notes
 
 
-def joined_ends(draft: Draft, gaps: NDArray[np.float64]) -> list[Note]:
-    """A note for each loop whose edges do not all begin at the very point where the one before ended; gaps (E,)."""
-    starts = draft.arrays.loop_start
+def joined_ends(draft: Draft, seen: Survey) -> list[Note]:
+    """A note for each loop whose edges do not all begin at the very point where the one before ended."""
+    if seen.widest_gap == 0.0:
+        return []
+    starts, gaps = draft.arrays.loop_start, seen.gaps
     open_loops = np.unique(np.searchsorted(starts, np.flatnonzero(gaps > 0.0), side="right") - 1).tolist()
     notes = []
     for loop in open_loops[:NOTE_LIMIT]:

@@ -7,10 +7,11 @@ thousand holes takes no million comparisons.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from mat_core.errors import Problem
 from mat_core.kernels import outline as columns
@@ -23,21 +24,19 @@ from mat_core.model.values import loop_pointer
 ROUNDING = 1e-13  # normalised: of the polygons' corners, with much to spare
 
 
-def loops_around(outline: Outline, loops: Sequence[int]) -> dict[int, list[int]]:
-    """For each of these loops (ascending) the others among them around it; holds for pairs that do not meet."""
+def loops_around(outline: Outline, loops: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Rows (a, b), for these loops (ascending): loop a lies around loop b. Holds for pairs that do not meet."""
     flattening = flatten(outline, loops)
-    tree = shapely.STRtree(shapely.points([outline.first_point(loop) for loop in loops]))
+    tree = shapely.STRtree(shapely.points(outline.first_points(loops)))
     # Both queries prepare the geometries they are asked with.
-    inside = tree.query(shapely.polygons(flattening.rings), predicate="contains_properly")
-    close = tree.query(flattening.rings, predicate="dwithin", distance=flattening.error + ROUNDING)
-    undecided = set(zip(*close.tolist(), strict=True))
-    found: dict[int, list[int]] = {loop: [] for loop in loops}
-    for a, b in set(zip(*inside.tolist(), strict=True)) - undecided:
-        found[loops[b]].append(loops[a])
-    for a, b in undecided:
-        if a != b and is_inside(outline, loops[a], *outline.first_point(loops[b])):
-            found[loops[b]].append(loops[a])
-    return found
+    inside = tree.query(shapely.polygons(flattening.rings), predicate="contains_properly").T
+    close = tree.query(flattening.rings, predicate="dwithin", distance=flattening.error + ROUNDING).T
+    undecided = close[close[:, 0] != close[:, 1]]
+    if len(undecided):
+        apart = ~np.isin(inside @ (len(loops), 1), undecided @ (len(loops), 1))
+        exact = [is_inside(outline, int(loops[a]), *outline.first_points(loops[b]).tolist()) for a, b in undecided.tolist()]
+        inside = np.concatenate((inside[apart], undecided[np.array(exact)]))
+    return np.asarray(loops[inside], dtype=np.int64)
 
 
 def is_inside(outline: Outline, loop: int, qx: float, qy: float) -> bool:
@@ -72,14 +71,20 @@ def is_inside(outline: Outline, loop: int, qx: float, qy: float) -> bool:
 
 def nesting_problems(outline: Outline, meetings: list[Meeting], flat: set[int]) -> Iterator[Problem]:
     """Holes inside the outer loop, none inside another; silent on loops that meet, are flat, or could not be used."""
-    starts = outline.piece_start
-    loops = [k for k in range(len(starts) - 1) if starts[k] < starts[k + 1] and k not in flat]
-    if not any(loops):
+    loops = np.flatnonzero(outline.piece_start[:-1] < outline.piece_start[1:])
+    if flat:
+        loops = np.setdiff1d(loops, list(flat))
+    if not loops.any():
         return
+    pairs = loops_around(outline, loops)
+    if loops[0] == 0 and len(pairs) == len(loops) - 1 and not pairs[:, 0].any():
+        return  # The outer loop lies around each hole, and nothing else around any.
     met = {m.loops for m in meetings}
-    around = loops_around(outline, loops)
-    for hole in filter(None, loops):
-        x, y = outline.frame.to_input(*outline.first_point(hole))
+    around: dict[int, list[int]] = {loop: [] for loop in loops.tolist()}
+    for outside, loop in pairs.tolist():
+        around[loop].append(outside)
+    for hole in filter(None, around):
+        x, y = outline.frame.to_input(*outline.first_points(hole).tolist())
         at = loop_pointer(hole)
         if 0 in around and (0, hole) not in met and 0 not in around[hole]:
             how = "encloses the outer loop" if hole in around[0] else "lies outside the outer loop"

@@ -21,12 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.errors import InvalidDomain, Problem
+from mat_core.kernels.measuring import AREA, LENGTH
 from mat_core.model.healing import Note, joined_ends, shrink_specks
-from mat_core.model.loop import TOUCH, BoundaryArrays, Frame, Outline, frame_of, outline_of
+from mat_core.model.loop import TOUCH, BoundaryArrays, Frame, Outline, box_of, frame_of, outline_of
 from mat_core.model.meetings import Meeting, find_meetings, meeting_problems
 from mat_core.model.nesting import nesting_problems
 from mat_core.model.reading import Draft, read
-from mat_core.model.splines import LARGEST, spline_problems
+from mat_core.model.splines import spline_problems
+from mat_core.model.survey import Survey, survey
 from mat_core.model.values import edge_pointer, loop_name, loop_pointer
 
 CODES = {
@@ -91,27 +93,22 @@ def check(obj: object, limit: int) -> Checked:
     problems = draft.problems
     if len(arrays.degree) == 0:
         raise InvalidDomain(problems)
-    largest = _largest_coordinate(arrays.cp)
+    seen = survey(arrays)
     sound = np.ones(len(arrays.degree), dtype=np.bool_)
-    size = _size(arrays.cp)
-    rounding = JOIN_ULPS * math.ulp(largest)
-    join = max(JOIN * size, rounding)
-    problems.extend(spline_problems(draft, max(SHAPELESS * size, rounding), join, sound))
+    rounding = JOIN_ULPS * math.ulp(seen.largest)
+    join = max(JOIN * seen.size, rounding)
+    problems.extend(spline_problems(draft, seen, max(SHAPELESS * seen.size, rounding), join, sound))
     use = draft.whole.copy()
-    gaps = end_gaps(arrays)
-    problems.extend(join_problems(draft, sound, gaps, join, use))
+    problems.extend(join_problems(draft, sound, seen, join, use))
     if use.any():
-        arrays, notes = shrink_specks(draft, use, max(TOUCH * size, rounding), join)
-        used_rows = np.repeat(use.astype(np.bool_), np.diff(arrays.cp_start[arrays.loop_start]))
-        closed = np.where(np.repeat(use.astype(np.bool_), np.diff(arrays.loop_start)), gaps, 0.0)
-        frame = frame_of(arrays.cp[used_rows], largest, float(closed.max()))
-        too_fine = range_problem(frame, largest)
+        arrays, notes = shrink_specks(draft, seen, use, max(TOUCH * seen.size, rounding), join)
+        frame = _frame(arrays, seen, use, healed=arrays is not draft.arrays)
+        too_fine = range_problem(frame, seen.largest)
         if too_fine is not None:
             raise InvalidDomain([*_sorted(problems), too_fine])
         outline = outline_of(arrays, use, frame)
-        vanished = set(np.flatnonzero(use.astype(np.bool_) & (np.diff(outline.piece_start) == 0)).tolist())
         meetings, complete = find_meetings(outline)
-        flat = vanished | set(flat_loops(outline, meetings))
+        flat = flat_loops(outline, use, meetings)
         problems.extend(area_problems(flat))
         problems.extend(meeting_problems(outline, draft, meetings, flat))
         problems.extend(nesting_problems(outline, meetings, flat))
@@ -125,7 +122,7 @@ def check(obj: object, limit: int) -> Checked:
         raise InvalidDomain(_sorted(problems))
     runs_left = outline.measures[:, 0] > 0.0
     runs_left[1:] = ~runs_left[1:]
-    notes.extend(joined_ends(draft, gaps))
+    notes.extend(joined_ends(draft, seen))
     return Checked(arrays._replace(reversed=~runs_left), draft.arrays, outline, draft.options, tuple(notes))
 
 
@@ -139,15 +136,14 @@ def _sorted(problems: list[Problem]) -> list[Problem]:
     return order
 
 
-def _largest_coordinate(cp: NDArray[np.float64]) -> float:
-    magnitudes = np.abs(cp[:, :2])
-    return float(magnitudes.max(initial=0.0, where=magnitudes <= LARGEST))
-
-
-def _size(cp: NDArray[np.float64]) -> float:
-    usable = (np.abs(cp[:, :2]) <= LARGEST).all(axis=1)
-    points = cp[usable, :2]
-    return float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+def _frame(arrays: BoundaryArrays, seen: Survey, use: NDArray[np.int64], healed: bool) -> Frame:
+    """The frame of the loops in use."""
+    if seen.sound and not healed and use.all():
+        return frame_of(seen.box, seen.largest, seen.widest_gap)
+    used = use.astype(np.bool_)
+    rows = np.repeat(used, np.diff(arrays.cp_start[arrays.loop_start]))
+    closed = np.where(np.repeat(used, np.diff(arrays.loop_start)), seen.gaps, 0.0)
+    return frame_of(box_of(arrays.cp[rows]), seen.largest, float(closed.max()))
 
 
 def range_problem(frame: Frame, largest: float) -> Problem | None:
@@ -176,26 +172,21 @@ def following_edges(arrays: BoundaryArrays) -> NDArray[np.int64]:
     return following
 
 
-def end_gaps(arrays: BoundaryArrays) -> NDArray[np.float64]:
-    """By how much, along x or y, the end of each edge (E,) misses the start of the next; NaN where that is no number."""
-    ends = arrays.cp[arrays.cp_start[1:] - 1, :2]
-    begins = arrays.cp[arrays.cp_start[:-1], :2][following_edges(arrays)]
-    with np.errstate(invalid="ignore", over="ignore"):
-        return np.asarray(np.abs(ends - begins).max(axis=1), dtype=np.float64)
-
-
 def join_problems(
-    draft: Draft, sound: NDArray[np.bool_], gaps: NDArray[np.float64], join: float, use: NDArray[np.int64]
+    draft: Draft, sound: NDArray[np.bool_], seen: Survey, join: float, use: NDArray[np.int64]
 ) -> Iterator[Problem]:
     """Each edge begins where the last one ended; clears `use` (L,) for open loops and those with an unsound edge."""
     arrays = draft.arrays
     starts = arrays.loop_start
-    if not sound.all():
+    all_sound = bool(sound.all())
+    if all_sound and seen.widest_gap <= join:
+        return
+    if not all_sound:
         use[np.unique(np.searchsorted(starts, np.flatnonzero(~sound), side="right") - 1)] = 0
     following = following_edges(arrays)
     ends = arrays.cp[arrays.cp_start[1:] - 1, :2]
     begins = arrays.cp[arrays.cp_start[:-1], :2][following]
-    apart = ~(gaps <= join)
+    apart = ~(seen.gaps <= join)
     for e in np.flatnonzero(apart & sound & sound[following]).tolist():
         loop, edge = draft.place_of(e)
         then = int(draft.edge_of[following[e]])
@@ -217,13 +208,13 @@ def join_problems(
 # ------------------------------------------------------------------------------------------------------------- area
 
 
-def flat_loops(outline: Outline, meetings: list[Meeting]) -> Iterator[int]:
+def flat_loops(outline: Outline, use: NDArray[np.int64], meetings: list[Meeting]) -> set[int]:
     """Loops in use without mean width; one that truly crosses itself may have no net area and yet enclose some."""
-    crossing = {m.loops[0] for m in meetings if m.loops[0] == m.loops[1] and m.crosses}
-    for loop, (area, length) in enumerate(outline.measures[:, :2].tolist()):
-        used = outline.piece_start[loop] < outline.piece_start[loop + 1]
-        if used and loop not in crossing and abs(area) <= FLATTEST * outline.frame.gap * length:
-            yield loop
+    area, length = np.abs(outline.measures[:, AREA]), outline.measures[:, LENGTH]
+    # What vanished altogether has no length either.
+    thin = np.flatnonzero((area <= FLATTEST * outline.frame.gap * length) & (use != 0)).tolist()
+    crossing = {m.loops[0] for m in meetings if m.loops[0] == m.loops[1] and m.crosses} if thin else set()
+    return set(thin) - crossing
 
 
 def area_problems(flat: set[int]) -> Iterator[Problem]:

@@ -14,14 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.errors import Problem
-from mat_core.model.healing import extents
 from mat_core.model.loop import BoundaryArrays
 from mat_core.model.reading import Draft
+from mat_core.model.survey import HALF_RANGE, LARGEST, WIDEST, Survey
 from mat_core.model.values import edge_pointer, loop_name
-
-LARGEST = 1e150  # coordinates: areas, their squares, still are floats
-WIDEST = 1e16  # largest weight over smallest: beyond, whole stretches of a curve fall between two floats
-HALF_RANGE = 8e307  # half of a parameter range that still is a float
 
 Places = NDArray[np.intp]
 Flags = NDArray[np.bool_]
@@ -37,14 +33,16 @@ class Breach(NamedTuple):
     text: str
 
 
-def spline_problems(draft: Draft, rounding: float, join: float, sound: Flags) -> Iterator[Problem]:
+def spline_problems(draft: Draft, seen: Survey, rounding: float, join: float, sound: Flags) -> Iterator[Problem]:
     """Rules of single edges; clears `sound` (E,) where one is broken.
 
     `rounding`: extent below which an edge has no shape; `join`: distance below which two points of a curve are one.
     """
+    if seen.sound and seen.least_extent > rounding:
+        return
     arrays = draft.arrays
     with np.errstate(invalid="ignore", over="ignore"):
-        breaches = [*point_breaches(arrays, rounding), *weight_breaches(arrays), *knot_breaches(arrays, join)]
+        breaches = [*point_breaches(arrays, seen.extent, rounding), *weight_breaches(arrays), *knot_breaches(arrays, join)]
     for edges, places, code, member, text in breaches:
         sound[edges] = False
         for e, index in zip(edges.tolist(), places.tolist(), strict=True):
@@ -68,7 +66,7 @@ def firsts(where: Flags, starts: NDArray[np.int64]) -> tuple[Places, Places]:
     return edges, found[first] - starts[edges]
 
 
-def point_breaches(arrays: BoundaryArrays, rounding: float) -> Iterator[Breach]:
+def point_breaches(arrays: BoundaryArrays, extent: NDArray[np.float64], rounding: float) -> Iterator[Breach]:
     """Control points finite, not too far out, and not all the very same.
 
     Almost the same will do (`mat_core.model.healing` passes such an edge over), but not for all edges of a loop.
@@ -82,7 +80,6 @@ def point_breaches(arrays: BoundaryArrays, rounding: float) -> Iterator[Breach]:
         yield Breach(*firsts(~finite, starts), "non-finite", "control_points", text)
         text = f"coordinate is beyond {LARGEST:g}; scale the domain"
         yield Breach(*firsts(finite & (reach > LARGEST), starts), "out-of-range", "control_points", text)
-    extent = extents(arrays)
     filled = np.flatnonzero(np.diff(arrays.loop_start))
     largest = np.maximum.reduceat(extent, arrays.loop_start[filled])
     shapeless = np.repeat(largest <= rounding, np.diff(arrays.loop_start)[filled])

@@ -10,9 +10,10 @@ import pytest
 import shapely
 
 from mat_core.kernels.bezier import restrict
-from mat_core.kernels.nearby import boxes_near, compare_pairs
-from mat_core.kernels.outline import CP0, DEG, LOOP
-from mat_core.model.loop import Outline, box_tree, halved, neighbours_first
+from mat_core.kernels.meeting import compare
+from mat_core.kernels.nearby import TREE_WIDTH, boxes_near
+from mat_core.kernels.outline import CP0, DEG, LOOP, XMIN, YMAX
+from mat_core.model.loop import Outline, arranged, halved, tree_rows
 from mat_core.model.problems import check
 from mat_core.model.reading import CONTROL_POINT_LIMIT
 from tests.model.builders import SQUARE, Json, accept, bezier, circle, codes, domain, mapped, polygon, rectangle, refuse
@@ -67,6 +68,20 @@ def spiral_of_arcs(turns: int) -> list[Json]:
     return [*inner, link(inner[-1], outer[0]), *outer, link(outer[-1], inner[0])]
 
 
+def neighbours_first(outline: Outline) -> np.ndarray:
+    return arranged(outline.pf[:, XMIN : YMAX + 1], outline.piece_start)
+
+
+def compared(outline: Outline, gap: float, piece: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The tree over these parts, and the tasks of pairs within `gap`."""
+    tree, tasks, hits = np.empty((tree_rows(len(piece)), TREE_WIDTH)), np.empty((100_000, 8)), np.empty((256, 5))
+    _, planned = compare(
+        outline.pi, outline.pf, outline.cp, outline.piece_start, gap, 0.0, 0.0, piece, part, tree,
+        np.empty((256, 2), dtype=np.int64), 0, False, outline.work, outline.stack, tasks, hits,
+    )  # fmt: skip
+    return tree, tasks[:planned]
+
+
 @pytest.mark.parametrize("halvings", [0, 2])
 @pytest.mark.parametrize("turn", [0.0, 0.4])
 def test_no_pair_is_left_out(turn: float, halvings: int) -> None:
@@ -75,16 +90,11 @@ def test_no_pair_is_left_out(turn: float, halvings: int) -> None:
     part = np.tile((0.0, 1.0), (len(piece), 1))
     for _ in range(halvings):
         piece, part = halved(piece, part, outline.pi[piece, DEG] > 1)
-    tree = box_tree(outline, piece, part)
-    tasks = np.empty((100_000, 8))
     # A gap as wide as a wall, so that there is much to find.
     gap = 0.05
-    found = compare_pairs(
-        outline.pi, outline.pf, outline.cp, outline.piece_start, gap, piece, part, tree,
-        np.empty((256, 2), dtype=np.int64), outline.work, tasks, 0,
-    )  # fmt: skip
-    listed = {tuple(row) for row in tasks[:found, :6].tolist()}
-    assert 10 < len(listed) == found
+    _, tasks = compared(outline, gap, piece, part)
+    listed = {tuple(row) for row in tasks[:, :6].tolist()}
+    assert 10 < len(listed) == len(tasks)
     hulls = []
     for k in range(len(piece)):
         first, degree = outline.pi[piece[k], CP0], outline.pi[piece[k], DEG]
@@ -104,7 +114,7 @@ def test_no_pair_is_left_out(turn: float, halvings: int) -> None:
 def test_slanted_pieces_do_not_all_look_near(loop: list[Json]) -> None:
     outline = outline_of(loop)
     order = neighbours_first(outline)
-    tree = box_tree(outline, order, np.tile((0.0, 1.0), (len(order), 1)))
+    tree, _ = compared(outline, outline.frame.gap, order, np.tile((0.0, 1.0), (len(order), 1)))
     near = pairs = 0
     waiting = [(1, 1)]
     while waiting:

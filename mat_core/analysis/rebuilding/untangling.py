@@ -22,7 +22,7 @@ from mat_core.analysis.outline import measure
 from mat_core.kernels import outline as columns
 from mat_core.kernels.intersect import TIP
 from mat_core.model.curve import RationalBSpline
-from mat_core.model.loop import BoundaryArrays, Outline, frame_of, outline_of
+from mat_core.model.loop import BoundaryArrays, Outline, box_of, frame_of, outline_of
 from mat_core.model.meetings import Meeting, find_meetings
 
 Floats = NDArray[np.float64]
@@ -68,7 +68,7 @@ def untangled(loops: list[Loop], error: float) -> list[Loop]:
     """
     for _ in range(ROUNDS):
         arrays = _arrays(loops)
-        frame = frame_of(arrays.cp, float(np.abs(arrays.cp[:, :2]).max()))
+        frame = frame_of(box_of(arrays.cp), float(np.abs(arrays.cp[:, :2]).max()))
         outline = outline_of(arrays, np.ones(len(loops), dtype=np.int64), frame)
         meetings = [m for m in find_meetings(outline)[0] if m.loops[0] == m.loops[1]]
         longest = LENGTH * float(np.sqrt(error * frame.size))
