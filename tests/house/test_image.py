@@ -19,6 +19,7 @@ import pytest
 import yaml
 
 from service.cli.arguments import parser
+from service.http.connections import Connections
 from service.observability.metrics import Metrics
 from service.operations import OPERATIONS
 from service.settings import MIB, Settings, variable
@@ -315,7 +316,7 @@ class NoPool:
 
 def families() -> set[str]:
     """The names of all metrics, without the suffixes of their samples."""
-    return {metric.name for metric in Metrics(NoPool()).registry.collect()}
+    return {metric.name for metric in Metrics(NoPool(), Connections(Settings())).registry.collect()}
 
 
 def named(text: str) -> set[str]:
