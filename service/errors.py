@@ -64,7 +64,7 @@ class ErrorKind:
 
 
 ERRORS: dict[str, ErrorKind] = {
-    "not-http": ErrorKind(400, "This is no request of HTTP/1.1"),
+    "not-http": ErrorKind(400, "This is no whole request of HTTP/1.1"),
     "not-json": ErrorKind(400, "The body is not JSON"),
     "not-gzip": ErrorKind(400, "The body is not the gzip stream it is said to be"),
     "invalid-parameter": ErrorKind(400, "The query has a parameter that is not known, or a value that is not allowed"),

@@ -31,10 +31,13 @@ from uvicorn.protocols.http.h11_impl import STATUS_PHRASES, H11Protocol
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
 from service.http.farewell import take_leave
 from service.http.patience import LEAST_RATE, Patience
-from service.settings import Settings
+from service.settings import KIB, Settings
 
 Reason = Literal["silent", "head", "answer", "crowd", "not-http"]
 """Why a connection was ended: nothing came, or not all of a head; an answer was not taken; too many were open; it was no HTTP."""
+
+SLICE_BYTES = 16 * KIB
+"""Of what has come that is looked at in one turn of the loop; if it is chunks of one byte, that takes 25 ms."""
 
 _log = logging.getLogger("service.http")
 
@@ -91,6 +94,7 @@ class Connection(H11Protocol):
     _full_since = 0.0  # by the loop's clock; while there is a deadline for taking
     _untaken = 0  # bytes, then
     _refused = _dropped = False
+    _unread = b""
 
     # what comes
 
@@ -113,6 +117,32 @@ class Connection(H11Protocol):
         else:
             self.family.leave()
         super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Take what has come, a slice at each turn of the loop: thousands of requests or chunks may be in one piece."""
+        waits = bool(self._unread)
+        self._unread += data
+        if not waits:
+            self._take_slice()
+
+    def _take_slice(self) -> None:
+        part, self._unread = self._unread[:SLICE_BYTES], self._unread[SLICE_BYTES:]
+        if part and not self.transport.is_closing():
+            super().data_received(part)
+        if self._unread:
+            self.transport.pause_reading()
+            self.loop.call_soon(self._take_slice)
+        elif not self.flow.read_paused:
+            self.transport.resume_reading()
+
+    def eof_received(self) -> None:
+        """The client sends no more; one whose request is not whole is told so, if it still listens."""
+        rest, self._unread = self._unread, b""
+        if rest and not self.transport.is_closing():
+            super().data_received(rest)
+        begun, _ = self.conn.trailing_data
+        if self.conn.their_state is h11.SEND_BODY or (begun and self.conn.their_state is h11.IDLE):
+            self._refuse(RequestError("not-http", "The connection ended before the request did."), "not-http")
 
     def handle_events(self) -> None:
         """Take what has come; a request that has begun has a deadline of its own."""

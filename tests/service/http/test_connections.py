@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import json
+import select
 import socket
+import threading
 import time
 from collections.abc import Iterator
 
@@ -20,6 +22,7 @@ from tests.service.test_server import serving
 SECONDS = 0.5
 HEAD = b"GET /healthz HTTP/1.1\r\nHost: x\r\n"
 POST = b"POST /v1/mat HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: %d\r\n\r\n"
+CHUNKED = POST.replace(b"Content-Length: %d", b"Transfer-Encoding: chunked")
 LARGE = b'{"do": "echo"}'.ljust(12 * MIB)  # more than the kernel keeps of an answer by itself
 CONNECTIONS = 4
 
@@ -191,7 +194,7 @@ NO_HTTP = {
     "two lengths": (POST[:-4] % 3 + b"\r\nContent-Length: 4\r\n\r\nabc", "not-http"),
     "a length of no digits": (HEAD + b"Content-Length: -1\r\n\r\n", "not-http"),
     "another coding": (HEAD + b"Transfer-Encoding: gzip\r\n\r\n", "not-http"),
-    "a chunk without a length": (HEAD.replace(b"GET", b"POST") + b"Transfer-Encoding: chunked\r\n\r\nxyz\r\n", "not-http"),
+    "a chunk without a length": (CHUNKED + b"xyz\r\n", "not-http"),
     "a head without an end": (HEAD + b"X: " + bytes(range(97, 123)) * 20_000, "header-too-large"),
 }
 
@@ -201,3 +204,36 @@ def test_what_is_no_http_is_told_so(address: httpx2.URL, content: bytes, code: s
     before = ended(address, "not-http")
     assert problem_of(one_answer(address, content)) == code
     assert ended(address, "not-http") == before + 1
+
+
+CUT_OFF = {
+    "a head": HEAD,
+    "a body": POST % 100 + b"{}",
+    "a body in chunks": CHUNKED + b"2\r\n{",
+    "a batch": POST.replace(b"mat", b"batches").replace(b"/json", b"/x-ndjson") % 100 + b"{}\n",
+}
+
+
+@pytest.mark.parametrize("content", CUT_OFF.values(), ids=CUT_OFF)
+def test_what_is_cut_off_is_told_so(address: httpx2.URL, content: bytes) -> None:
+    with connected(address) as client:
+        client.sendall(content)
+        time.sleep(SECONDS / 5)
+        client.shutdown(socket.SHUT_WR)
+        assert problem_of(received(client)) == "not-http"
+
+
+def test_much_in_little_pieces_holds_up_nobody(address: httpx2.URL) -> None:
+    """A connection that sends chunks of one byte is looked at for a while only, and then the others are."""
+    chunks = CHUNKED + b'e\r\n{"do": "echo"}\r\n' + b"1\r\n \r\n" * 200_000 + b"0\r\n\r\n"
+    slowest = 0.0
+    with connected(address) as client, httpx2.Client(base_url=address) as other:
+        threading.Thread(target=client.sendall, args=(chunks,)).start()
+        begun = time.monotonic()
+        while not select.select([client], [], [], 0.0)[0]:
+            asked = time.monotonic()
+            assert other.get("/healthz").status_code == 200
+            slowest = max(slowest, time.monotonic() - asked)
+        whole = time.monotonic() - begun
+        assert client.recv(65536).startswith(b"HTTP/1.1 200 ")
+    assert slowest < whole / 4
