@@ -148,6 +148,9 @@ class Settings:
     max_connections : int
         Connections that may be open. One more ends the one that has waited longest for a request; where none waits, it is
         answered 503 itself.
+    traffic_bytes : int
+        Memory for bodies and answers on their way. While all others hold more, no body is taken in and no answer handed on: both
+        are a 503.
     queue_limit : int
         Requests that may wait for a worker in each lane but that of jobs; one more is answered 503 at once.
     worker_memory_bytes : int
@@ -200,6 +203,7 @@ class Settings:
     upload_seconds: float = field(default=30.0, metadata={"read": _seconds(0.05, 86_400)})
     download_seconds: float = field(default=30.0, metadata={"read": _seconds(0.05, 86_400)})
     max_connections: int = field(default=1000, metadata={"read": _integer(1, 1_000_000)})
+    traffic_bytes: int = field(default=256 * MIB, metadata={"read": _integer(KIB, 1024 * 1024 * MIB)})
     queue_limit: int = field(default=64, metadata={"read": _integer(0, 100_000)})
     worker_memory_bytes: int = field(default=1024 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
     worker_recycle_bytes: int = field(default=512 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})

@@ -33,9 +33,10 @@ def announced_bytes(request: Request) -> int:
 
 
 async def read_body(request: Request, limit: int, compressed: bool) -> bytes:
-    """All of the body, expanded if need be. RequestError as of `arriving`."""
+    """All of the body, expanded if need be. RequestError as of `arriving`, and ``queue-full`` where there is no memory for it."""
     body = io.BytesIO()  # which gives away what it gathered without copying it
     async for piece in arriving(request, limit, compressed):
+        request.state.load.add(len(piece))
         body.write(piece)
     return body.getvalue()
 

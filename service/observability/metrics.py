@@ -68,6 +68,14 @@ class ConnectionFigures(Protocol):
         """How many the service ended, by reason, since the start."""
 
 
+class TrafficFigures(Protocol):
+    """What is told of bodies and answers on their way (`service.http.traffic`)."""
+
+    @property
+    def held(self) -> int:
+        """Bytes that they take."""
+
+
 class Watched(Protocol):
     """The pool, as far as its figures go."""
 
@@ -92,7 +100,7 @@ class Metrics:
         Where they are collected from.
     """
 
-    def __init__(self, pool: Watched, connections: ConnectionFigures) -> None:
+    def __init__(self, pool: Watched, connections: ConnectionFigures, traffic: TrafficFigures) -> None:
         self.registry = CollectorRegistry()
         self._requests = Counter(
             "mat_requests", "Requests answered.", ("route", "method", "status", "code"), registry=self.registry
@@ -113,7 +121,7 @@ class Metrics:
             buckets=WORK_SECONDS, registry=self.registry,
         )  # fmt: skip
         self._jobs = Gauge("mat_jobs", "Jobs that are kept, by state.", ("state",), registry=self.registry)
-        self.registry.register(StateCollector(pool, connections))
+        self.registry.register(StateCollector(pool, connections, traffic))
         ProcessCollector(registry=self.registry)
 
     def begin(self) -> None:
@@ -151,8 +159,8 @@ def size_class(body_bytes: int) -> str:
 class StateCollector:
     """The figures that are read when they are asked for."""
 
-    def __init__(self, pool: Watched, connections: ConnectionFigures) -> None:
-        self._pool, self._connections = pool, connections
+    def __init__(self, pool: Watched, connections: ConnectionFigures, traffic: TrafficFigures) -> None:
+        self._pool, self._connections, self._traffic = pool, connections, traffic
 
     def collect(self) -> Iterator[Metric]:
         """All of them, once."""
@@ -169,6 +177,7 @@ class StateCollector:
         for reason, count in self._connections.ended.items():
             ended.add_metric((reason,), count)
         yield ended
+        yield GaugeMetricFamily("mat_traffic_bytes", "Bodies and answers that are held in memory.", self._traffic.held)
         yield GaugeMetricFamily("mat_ready", "1 when the workers are loaded.", int(self._pool.ready))
         memory = resident_bytes()
         yield _gauge("mat_processes", "Processes of the service.", "role", {role: len(all_) for role, all_ in memory.items()})

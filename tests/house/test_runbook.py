@@ -12,6 +12,7 @@ from service.cli.exits import EXITS
 from service.errors import ERRORS
 from service.http import connections
 from service.http.connections import Connections
+from service.http.traffic import Traffic
 from service.observability.metrics import Metrics
 from service.settings import Settings, variable
 from service.workers.crew import Reason
@@ -33,7 +34,7 @@ def test_every_error_code_has_its_row() -> None:
 
 def test_every_metric_has_its_row_with_its_labels() -> None:
     there = {}
-    for family in Metrics(NoPool(), Connections(Settings())).registry.collect():
+    for family in Metrics(NoPool(), Connections(Settings()), Traffic(0)).registry.collect():
         if family.name.startswith("mat_"):
             name = family.name + ("_total" if family.type == "counter" else "")
             there[name] = family
