@@ -11,6 +11,8 @@ from fastapi import Depends, FastAPI
 from service import __version__, openapi
 from service.http import middleware, responses
 from service.http.caching import ResultCache
+from service.http.connections import Connections
+from service.http.traffic import Traffic
 from service.jobs.dbos_jobs import DbosJobs
 from service.observability import logs, telemetry
 from service.observability.metrics import Metrics
@@ -59,7 +61,9 @@ def create_app(settings: Settings | None = None, handler: str = "service.workers
     app.state.pool = pool
     app.state.jobs = DbosJobs(settings, pool)
     app.state.leaving = False  # becomes true when the process has been asked to end
-    app.state.metrics = Metrics(pool)
+    app.state.connections = Connections(settings)
+    app.state.traffic = Traffic(settings.traffic_bytes)
+    app.state.metrics = Metrics(pool, app.state.connections, app.state.traffic)
     app.state.results = ResultCache(settings.result_cache_bytes)
     middleware.install(app, settings)
     responses.install(app)

@@ -3,6 +3,7 @@
 ::
 
     code                    status  who can mend it
+    not-http                400     the client: what it sends is no request
     not-json                400     the client: the body
     not-gzip                400     the client: the body
     invalid-parameter       400     the client: the query
@@ -63,6 +64,7 @@ class ErrorKind:
 
 
 ERRORS: dict[str, ErrorKind] = {
+    "not-http": ErrorKind(400, "This is no whole request of HTTP/1.1"),
     "not-json": ErrorKind(400, "The body is not JSON"),
     "not-gzip": ErrorKind(400, "The body is not the gzip stream it is said to be"),
     "invalid-parameter": ErrorKind(400, "The query has a parameter that is not known, or a value that is not allowed"),

@@ -50,11 +50,12 @@ Every failure is a problem document (RFC 9457) with a stable `code`; an invalid 
 problems at once, each with its place.
 """
 
-SOLVING = [
-    code
-    for code in ERRORS
-    if code not in ("not-found", "method-not-allowed", "not-ready", "origin-not-allowed", "result-not-ready", "job-dismissed")
-]
+ELSEWHERE = (
+    *("not-http", "not-found", "method-not-allowed", "not-ready"),
+    *("origin-not-allowed", "result-not-ready", "job-dismissed"),
+)
+
+SOLVING = [code for code in ERRORS if code not in ELSEWHERE]
 """Codes of what solves; no-such-process is among them where the process is a part of the address."""
 
 OWN_CODES = {
@@ -66,7 +67,7 @@ OWN_CODES = {
     "/processes/{process_id}/execution": SOLVING,
     "/v1/jobs": ["store-unavailable"],
     "/v1/jobs/{job_id}": ["not-found", "store-unavailable"],
-    "/v1/jobs/{job_id}/results": [code for code in ERRORS if code not in ("method-not-allowed", "not-ready")],
+    "/v1/jobs/{job_id}/results": [code for code in ERRORS if code not in ("not-http", "method-not-allowed", "not-ready")],
     "/v1/batches": [
         *("not-json", "not-gzip", "upload-timeout", "idempotency-key-in-flight", "body-too-large", "unsupported-media-type"),
         *("idempotency-key-reused", "store-unavailable"),

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import logging
 import math
+import resource
 import signal
 import socket
 import time
@@ -22,8 +23,14 @@ import uvicorn
 from fastapi import FastAPI
 
 from service.app import create_app
-from service.http.heads import heads_within
-from service.settings import Settings
+from service.http.connections import protocol
+from service.settings import KIB, Settings
+
+FILES_BESIDE = 512
+"""Files that may be open beside connections: sockets of workers, bodies and results of jobs, the database."""
+
+HEAD_BYTES = 64 * KIB
+"""Longest head of a request."""
 
 _log = logging.getLogger("service.server")
 
@@ -42,10 +49,11 @@ class Server(uvicorn.Server):
         drain = math.ceil(settings.shutdown_drain_seconds)
         # httptools, which uvicorn would take where it is there, saves an eighth of a small request here, and has no limit to
         # the size of a request's head
-        protocol = heads_within(settings.head_seconds)
+        http = protocol(app.state.connections)
         config = uvicorn.Config(
-            app, http=protocol, ws="none", log_config=None, access_log=False, timeout_graceful_shutdown=drain
-        )
+            app, http=http, ws="none", log_config=None, access_log=False, timeout_graceful_shutdown=drain,
+            h11_max_incomplete_event_size=HEAD_BYTES,
+        )  # fmt: skip
         super().__init__(config)
         self._app = app
         self._notice_seconds = settings.shutdown_notice_seconds
@@ -68,8 +76,21 @@ class Server(uvicorn.Server):
         return await super().on_tick(counter)
 
 
+def allow_files(connections: int) -> None:
+    """Raise this process's limit of open files, where it would be met before that of connections."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = connections + FILES_BESIDE
+    if soft == resource.RLIM_INFINITY or soft >= wanted:
+        return
+    allowed = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (allowed, hard))
+    if allowed < wanted:
+        _log.warning("only %d files may be open, which is too few for %d connections (ulimit -n)", allowed, connections)
+
+
 def run(settings: Settings, listening: socket.socket, handler: str = "service.workers.solve") -> None:
     """Serve on a socket until a signal asks for the end, and come back when all is done."""
+    allow_files(settings.max_connections)
     server = Server(create_app(settings, handler), settings)
     host, port = listening.getsockname()[:2]
     _log.info("serving on http://%s:%d", f"[{host}]" if ":" in host else host, port)

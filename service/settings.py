@@ -142,7 +142,15 @@ class Settings:
         How long a request's head may take, from the connection's beginning or from the answer before it; then the connection is
         closed, after a 408 where a part of a head has come.
     upload_seconds : float
-        How long a request's body is waited for, and a second more for each 16 KiB that have come; then the answer is 408.
+        How long a request's body is waited for that comes at less than 16 KiB a second; then the answer is 408.
+    download_seconds : float
+        How long a client is waited for that takes its answer at less than 16 KiB a second; then its connection is closed.
+    max_connections : int
+        Connections that may be open. One more ends the one that has waited longest for a request; where none waits, it is
+        answered 503 itself.
+    traffic_bytes : int
+        Memory for bodies and answers on their way. While all others hold more, no body is taken in and no answer handed on: both
+        are a 503.
     queue_limit : int
         Requests that may wait for a worker in each lane but that of jobs; one more is answered 503 at once.
     worker_memory_bytes : int
@@ -193,6 +201,9 @@ class Settings:
     deadline_seconds: float = field(default=30.0, metadata={"read": _seconds(0.05, 86_400)})
     head_seconds: float = field(default=15.0, metadata={"read": _seconds(0.05, 86_400)})
     upload_seconds: float = field(default=30.0, metadata={"read": _seconds(0.05, 86_400)})
+    download_seconds: float = field(default=30.0, metadata={"read": _seconds(0.05, 86_400)})
+    max_connections: int = field(default=1000, metadata={"read": _integer(1, 1_000_000)})
+    traffic_bytes: int = field(default=256 * MIB, metadata={"read": _integer(KIB, 1024 * 1024 * MIB)})
     queue_limit: int = field(default=64, metadata={"read": _integer(0, 100_000)})
     worker_memory_bytes: int = field(default=1024 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})
     worker_recycle_bytes: int = field(default=512 * MIB, metadata={"read": _integer(64 * MIB, 1024 * 1024 * MIB)})

@@ -1,7 +1,7 @@
 """Bodies of requests as they come: counted, expanded, and not waited for beyond their time.
 
-The time is what all of a body may be waited for: MAT_UPLOAD_SECONDS, and a second more for each LEAST_RATE bytes that have come.
-So a client that sends a byte now and then is told to go, and a slow line may still send a batch of a gigabyte.
+A body that comes at LEAST_RATE is waited for as long as it lasts; a slower one, or one that stops, for MAT_UPLOAD_SECONDS. So a
+client that sends a byte now and then is told to go, and a slow line may still send a batch of a gigabyte.
 """
 
 from __future__ import annotations
@@ -16,10 +16,8 @@ from starlette.requests import ClientDisconnect
 
 from service.errors import RequestError
 from service.http.compression import expanded
-from service.settings import KIB, Settings
-
-LEAST_RATE = 16 * KIB
-"""Bytes that buy a second more; some 130 kbit/s."""
+from service.http.patience import LEAST_RATE, Patience
+from service.settings import Settings
 
 LONGEST_LENGTH = 18
 """Digits of a Content-Length that is believed; any other body is counted as it comes."""
@@ -35,9 +33,10 @@ def announced_bytes(request: Request) -> int:
 
 
 async def read_body(request: Request, limit: int, compressed: bool) -> bytes:
-    """All of the body, expanded if need be. RequestError as of `arriving`."""
+    """All of the body, expanded if need be. RequestError as of `arriving`, and ``queue-full`` where there is no memory for it."""
     body = io.BytesIO()  # which gives away what it gathered without copying it
     async for piece in arriving(request, limit, compressed):
+        request.state.load.add(len(piece))
         body.write(piece)
     return body.getvalue()
 
@@ -62,21 +61,21 @@ async def _arriving(request: Request, limit: int) -> AsyncIterator[bytes]:
     if announced_bytes(request) > limit:
         raise too_large
     settings: Settings = request.app.state.settings
-    left = settings.upload_seconds
+    patience = Patience(settings.upload_seconds)
     request.state.bytes_in = 0
     more = True
     while more:
         asked = time.monotonic()
         try:
-            async with asyncio.timeout(left):
+            async with asyncio.timeout(patience.left):
                 message = await request.receive()
         except TimeoutError:
-            detail = f"It was waited for {settings.upload_seconds:g} s, and a second for each {LEAST_RATE} bytes of it."
+            detail = f"It came at less than {LEAST_RATE} bytes a second, and was waited for {settings.upload_seconds:g} s."
             raise RequestError("upload-timeout", detail, headers=_CLOSE) from None
         if message["type"] == "http.disconnect":
             raise ClientDisconnect
         piece, more = message.get("body", b""), message.get("more_body", False)
-        left += len(piece) / LEAST_RATE - (time.monotonic() - asked)
+        patience.waited(time.monotonic() - asked, len(piece))
         request.state.bytes_in += len(piece)
         if request.state.bytes_in > limit:
             raise too_large

@@ -26,6 +26,7 @@ from service.errors import RequestError
 from service.http.keys import Concurrency, identify, is_open
 from service.http.responses import problem_response
 from service.http.trace_context import TraceContext
+from service.http.traffic import Load
 from service.observability.requests import Watch
 from service.observability.telemetry import current_trace
 from service.settings import KIB, Settings
@@ -100,7 +101,8 @@ class RequestContext:
         request_id = given if _SAFE_ID.fullmatch(given) else uuid.uuid4().hex
         trace = current_trace() or TraceContext.of(headers.get("traceparent", ""))
         state = scope.setdefault("state", {})
-        state.update(request_id=request_id, trace=trace, client=None)
+        load = Load(scope["app"].state.traffic)
+        state.update(request_id=request_id, trace=trace, client=None, load=load)
         watch = Watch(scope, request_id, trace)
         status: int | None = None
         sent = 0
@@ -128,6 +130,7 @@ class RequestContext:
             failure = RequestError("internal-error", "An unexpected failure, logged.")
             await problem_response(failure, Request(scope))(scope, receive, send_with_id)
         finally:
+            load.release()
             watch.end(status, sent)
 
 

@@ -10,7 +10,8 @@ place of a lock: who stores a digest in a row looks afterwards whether the file 
 who removes a file moves it aside first, asks once more whether a row has its digest, and moves it back if so. In whichever
 order the steps of both fall, a file that a row names is there in the end.
 
-Everything here blocks; it is called in threads.
+The rest of the jobs knows no more of files than the methods here: an object store that has these, and `incoming` on a disk of
+this machine, can take the folder's place. Everything here blocks; it is called in threads.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 STALE_SECONDS = 24 * 3600.0
 """Unfinished and unclaimed files older than this belong to nobody: no upload lasts a day."""
@@ -57,6 +59,14 @@ class Blobs:
     def read(self, digest: str) -> bytes:
         """The content. FileNotFoundError when it is not there."""
         return self.path(digest).read_bytes()
+
+    def size(self, digest: str) -> int:
+        """Bytes of the content. FileNotFoundError when it is not there."""
+        return self.path(digest).stat().st_size
+
+    def reading(self, digest: str) -> BinaryIO:
+        """The content, opened to be read. FileNotFoundError when it is not there."""
+        return self.path(digest).open("rb")
 
     def put(self, content: bytes) -> str:
         """Store bytes, durably; the digest is their name."""

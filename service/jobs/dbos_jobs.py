@@ -9,7 +9,7 @@ import contextlib
 import hashlib
 import json
 import uuid
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,11 +18,14 @@ from sqlalchemy.exc import IntegrityError
 
 from service.jobs.batches import Reader
 from service.jobs.keeper import Keeper
-from service.jobs.port import Job, KeyInFlight, KeyReused, Results
+from service.jobs.port import Job, KeyInFlight, KeyReused, Results, ResultsGone, StoreUnavailable
 from service.jobs.store import Chunk, NewJob
 from service.orders import Order
-from service.settings import Settings
+from service.settings import KIB, Settings
 from service.workers.pool import Pool
+
+PIECE_BYTES = 256 * KIB
+"""Of results that are read at a time."""
 
 
 class DbosJobs:
@@ -84,7 +87,13 @@ class DbosJobs:
         chunks = await self._calls.ask(self._keeper.open_store().chunks, job.id)
         digests = [chunk.result for chunk in chunks if chunk.result is not None]
         whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
-        return Results(tuple(self._blobs.path(digest) for digest in digests), whole)
+        try:
+            size = await self._calls.file(lambda: sum(map(self._blobs.size, digests)))
+        except StoreUnavailable as error:
+            if isinstance(error.__cause__, FileNotFoundError):
+                raise ResultsGone from None
+            raise
+        return Results(size, whole, self._pieces(digests))
 
     async def failure(self, job: Job) -> dict[str, Any]:
         """See `service.jobs.port.Jobs`."""
@@ -113,6 +122,13 @@ class DbosJobs:
     async def counts(self) -> dict[str, int]:
         """See `service.jobs.port.Jobs`."""
         return await self._calls.ask(self._keeper.open_store().counts)
+
+    async def _pieces(self, digests: Sequence[str]) -> AsyncIterator[bytes]:
+        """The bytes of files, one after the other."""
+        for digest in digests:
+            with await asyncio.to_thread(self._blobs.reading, digest) as file:
+                while piece := await asyncio.to_thread(file.read, PIECE_BYTES):
+                    yield piece
 
     @contextlib.contextmanager
     def _receive(self, owner: str | None, key: str | None) -> Iterator[None]:

@@ -13,7 +13,6 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, field
 from datetime import datetime
-from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from service.orders import Order
@@ -71,10 +70,11 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Results:
-    """The files whose bytes, one after the other, are the results of a job; `digest` names their content."""
+    """The results of a job: how many bytes, the name of their content, and they themselves, to be read once."""
 
-    files: tuple[Path, ...]
+    size: int
     digest: str
+    pieces: AsyncIterator[bytes]
 
 
 class JobsError(Exception):
@@ -91,6 +91,10 @@ class KeyInFlight(JobsError):
 
 class StoreUnavailable(JobsError):
     """Rows or files cannot be read or written now; nothing was accepted."""
+
+
+class ResultsGone(JobsError):
+    """The results were removed."""
 
 
 class BatchRefused(JobsError):
@@ -125,7 +129,7 @@ class Jobs(Protocol):
         ...
 
     async def results(self, job: Job) -> Results:
-        """Where the results of a successful job are."""
+        """What a successful job has computed. Raises `ResultsGone`."""
         ...
 
     async def failure(self, job: Job) -> dict[str, Any]:

@@ -56,6 +56,26 @@ class PoolFigures(Protocol):
         """Workers that were ended or ended by themselves, by reason, since the start."""
 
 
+class ConnectionFigures(Protocol):
+    """What is told of connections (`service.http.connections`)."""
+
+    @property
+    def open(self) -> int:
+        """How many there are."""
+
+    @property
+    def ended(self) -> Mapping[str, int]:
+        """How many the service ended, by reason, since the start."""
+
+
+class TrafficFigures(Protocol):
+    """What is told of bodies and answers on their way (`service.http.traffic`)."""
+
+    @property
+    def held(self) -> int:
+        """Bytes that they take."""
+
+
 class Watched(Protocol):
     """The pool, as far as its figures go."""
 
@@ -80,7 +100,7 @@ class Metrics:
         Where they are collected from.
     """
 
-    def __init__(self, pool: Watched) -> None:
+    def __init__(self, pool: Watched, connections: ConnectionFigures, traffic: TrafficFigures) -> None:
         self.registry = CollectorRegistry()
         self._requests = Counter(
             "mat_requests", "Requests answered.", ("route", "method", "status", "code"), registry=self.registry
@@ -101,7 +121,7 @@ class Metrics:
             buckets=WORK_SECONDS, registry=self.registry,
         )  # fmt: skip
         self._jobs = Gauge("mat_jobs", "Jobs that are kept, by state.", ("state",), registry=self.registry)
-        self.registry.register(StateCollector(pool))
+        self.registry.register(StateCollector(pool, connections, traffic))
         ProcessCollector(registry=self.registry)
 
     def begin(self) -> None:
@@ -139,8 +159,8 @@ def size_class(body_bytes: int) -> str:
 class StateCollector:
     """The figures that are read when they are asked for."""
 
-    def __init__(self, pool: Watched) -> None:
-        self._pool = pool
+    def __init__(self, pool: Watched, connections: ConnectionFigures, traffic: TrafficFigures) -> None:
+        self._pool, self._connections, self._traffic = pool, connections, traffic
 
     def collect(self) -> Iterator[Metric]:
         """All of them, once."""
@@ -152,6 +172,12 @@ class StateCollector:
         for reason, count in figures.kills.items():
             kills.add_metric((reason,), count)
         yield kills
+        yield GaugeMetricFamily("mat_connections", "Connections that are open.", self._connections.open)
+        ended = CounterMetricFamily("mat_connections_ended", "Connections that the service ended early.", labels=("reason",))
+        for reason, count in self._connections.ended.items():
+            ended.add_metric((reason,), count)
+        yield ended
+        yield GaugeMetricFamily("mat_traffic_bytes", "Bodies and answers that are held in memory.", self._traffic.held)
         yield GaugeMetricFamily("mat_ready", "1 when the workers are loaded.", int(self._pool.ready))
         memory = resident_bytes()
         yield _gauge("mat_processes", "Processes of the service.", "role", {role: len(all_) for role, all_ in memory.items()})

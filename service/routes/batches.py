@@ -7,9 +7,10 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from service.errors import RequestError
-from service.http.bodies import arriving
+from service.http.bodies import announced_bytes, arriving
 from service.http.negotiation import check_coding
 from service.http.preferences import Preferences
+from service.jobs.batches import CHUNK_BYTES
 from service.jobs.port import BatchRefused
 from service.operations import OPERATIONS
 from service.orders import Order
@@ -19,6 +20,9 @@ from service.routes.solve import PrecisionParameter
 router = APIRouter(tags=["jobs"])
 
 TYPES = (LINES, "application/jsonl", "application/jsonlines")
+
+HELD_BYTES = 2 * CHUNK_BYTES
+"""What is held of a batch, however long it is: the chunk that is being filled, once more while it is written."""
 
 
 @router.post("/v1/batches", operation_id="batch", summary="Many domains in one job", status_code=201)
@@ -41,6 +45,8 @@ async def batch(
     key = idempotency_key(request)
     limit = request.app.state.settings.max_batch_bytes
     order = Order(operation, "json", {} if precision is None else {"precision": precision})
+    size = announced_bytes(request)
+    request.state.load.add(min(size, HELD_BYTES) if size and not compressed else HELD_BYTES)
     lines = arriving(request, limit, compressed)
     with refusals():
         try:

@@ -26,8 +26,8 @@ async def readyz(request: Request) -> Status:
         raise RequestError("not-ready", "The service has been asked to end; send requests elsewhere.")
     if not pool.ready:
         raise RequestError("not-ready", _loading(pool), {"failed": pool.load_failed})
-    if pool.full:
-        raise RequestError("queue-full", "As many requests wait as may wait.")
+    if pool.full or request.app.state.traffic.full():
+        raise RequestError("queue-full", "As many requests wait, or take as much memory, as may.")
     if not await request.app.state.jobs.ready():
         raise RequestError("store-unavailable", "The job store does not answer; everything but jobs is served.")
     return Status(status="ready")

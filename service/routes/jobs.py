@@ -5,8 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import re
-from collections.abc import AsyncIterator, Iterator
-from pathlib import Path as FilePath
+from collections.abc import Iterator
 from typing import Annotated
 from urllib.parse import urlencode
 
@@ -19,7 +18,7 @@ from service.errors import OGC, RequestError
 from service.http import caching, compression
 from service.http.negotiation import FORMATS, accepts_gzip
 from service.http.preferences import Preferences
-from service.jobs.port import Job, Jobs, KeyInFlight, KeyReused, StoreUnavailable
+from service.jobs.port import Job, Jobs, KeyInFlight, KeyReused, ResultsGone, StoreUnavailable
 from service.orders import Order
 from service.schemas import JobList, JobStatus, Link
 
@@ -35,9 +34,6 @@ POLL_SECONDS = (0.02, 0.5)
 
 LONGEST_WAIT = 600
 """Seconds that a request waits for a job at most, whatever it prefers; connections do not last for ever."""
-
-PIECE_BYTES = 256 * 1024
-"""Of a result that is sent at a time."""
 
 _ID = re.compile(r"[0-9a-f]{32}")
 _KEY = re.compile(r"[\x21-\x7e]([\x20-\x7e]{0,253}[\x21-\x7e])?")
@@ -114,22 +110,16 @@ async def answer(request: Request, job: Job) -> Response:
         if job.state == "failed":
             raise RequestError(**await jobs_of(request).failure(job))
         found = await jobs_of(request).results(job)
-        try:
-            size = await asyncio.to_thread(lambda: sum(file.stat().st_size for file in found.files))
-        except FileNotFoundError:
-            raise RequestError("not-found", "The results were removed.") from None
-        except OSError:
-            raise RequestError("store-unavailable", "The files of the results cannot be read now.") from None
     tag = caching.tag(found.digest)
     headers = {"ETag": tag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if request.method == "GET" and caching.unchanged(request.method, request.headers, tag):
         return Response(status_code=304, headers=headers)
-    pieces = _pieces(found.files)
-    if size >= compression.LEAST_BYTES and accepts_gzip(request.headers.get("accept-encoding", "")):
+    pieces = found.pieces
+    if found.size >= compression.LEAST_BYTES and accepts_gzip(request.headers.get("accept-encoding", "")):
         headers["Content-Encoding"] = "gzip"
         pieces = compression.compressed(pieces)
     else:
-        headers["Content-Length"] = str(size)
+        headers["Content-Length"] = str(found.size)
     media_type = LINES if job.batch else FORMATS[job.format]  # type: ignore[index]  # one of them when it was stored
     return StreamingResponse(pieces, 200, headers, media_type)
 
@@ -186,6 +176,8 @@ def refusals() -> Iterator[None]:
     except KeyInFlight:
         detail = "The first request with this key has not been answered yet; try again when it has."
         raise RequestError("idempotency-key-in-flight", detail) from None
+    except ResultsGone:
+        raise RequestError("not-found", "The results were removed.") from None
     except StoreUnavailable:
         raise RequestError("store-unavailable", "The job store does not answer; nothing was accepted.") from None
 
@@ -202,14 +194,6 @@ async def _wait(request: Request, job: Job, seconds: float) -> Job:
         with contextlib.suppress(StoreUnavailable):
             job = await jobs_of(request).get(job.id, owner_of(request)) or job
     return job
-
-
-async def _pieces(files: tuple[FilePath, ...]) -> AsyncIterator[bytes]:
-    """The bytes of files, one after the other."""
-    for file in files:
-        with await asyncio.to_thread(file.open, "rb") as opened:
-            while piece := await asyncio.to_thread(opened.read, PIECE_BYTES):
-                yield piece
 
 
 def jobs_of(request: Request) -> Jobs:

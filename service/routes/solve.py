@@ -115,6 +115,7 @@ async def _answer_now(request: Request, order: Order, body: bytes, wishes: Prefe
         headers = {**kept.headers, "Server-Timing": "cache;desc=hit", "Cache-Status": "mat; hit", **wishes.headers}
         return InPieces(kept.pieces, headers, kept.media_type)
     reply = await _solve_unless_disconnected(request, {**header, "gzip": gzip}, body, wishes.wait)
+    request.state.load.add(sum(map(len, reply.pieces)))
     media_type = FORMATS["json"] if reply.header.get("whole") else FORMATS[reply.header.get("format", order.form)]
     headers = {"Vary": VARY}
     if reply.header.get("gzip"):

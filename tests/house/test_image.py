@@ -19,6 +19,8 @@ import pytest
 import yaml
 
 from service.cli.arguments import parser
+from service.http.connections import Connections
+from service.http.traffic import Traffic
 from service.observability.metrics import Metrics
 from service.operations import OPERATIONS
 from service.settings import MIB, Settings, variable
@@ -315,7 +317,7 @@ class NoPool:
 
 def families() -> set[str]:
     """The names of all metrics, without the suffixes of their samples."""
-    return {metric.name for metric in Metrics(NoPool()).registry.collect()}
+    return {metric.name for metric in Metrics(NoPool(), Connections(Settings()), Traffic(0)).registry.collect()}
 
 
 def named(text: str) -> set[str]:

@@ -10,6 +10,9 @@ import yaml
 from service.cli.arguments import parser
 from service.cli.exits import EXITS
 from service.errors import ERRORS
+from service.http import connections
+from service.http.connections import Connections
+from service.http.traffic import Traffic
 from service.observability.metrics import Metrics
 from service.settings import Settings, variable
 from service.workers.crew import Reason
@@ -31,7 +34,7 @@ def test_every_error_code_has_its_row() -> None:
 
 def test_every_metric_has_its_row_with_its_labels() -> None:
     there = {}
-    for family in Metrics(NoPool()).registry.collect():
+    for family in Metrics(NoPool(), Connections(Settings()), Traffic(0)).registry.collect():
         if family.name.startswith("mat_"):
             name = family.name + ("_total" if family.type == "counter" else "")
             there[name] = family
@@ -41,8 +44,9 @@ def test_every_metric_has_its_row_with_its_labels() -> None:
         labels = {label for sample in family.samples for label in sample.labels} - {"le"}
         if family.samples:
             assert labels == set(filter(None, re.split(r",\s*", told[name][1]))), name
-    reasons = told["mat_worker_kills_total"][2].split(": ")[1]
-    assert set(reasons.split(", ")) == set(get_args(Reason))
+    for metric, kinds in (("mat_worker_kills_total", Reason), ("mat_connections_ended_total", connections.Reason)):
+        reasons = told[metric][2].split(": ")[1]
+        assert set(reasons.split(", ")) == set(get_args(kinds))
 
 
 def test_every_alert_has_its_row() -> None:

@@ -18,7 +18,7 @@ an answer, a lost job, a process that stayed behind, an answer that came too lat
     endless     small requests beside a flow of small bodies that would take half a minute each
     overload    more requests than may wait
     deadlines   work that takes longer than it may
-    faults      workers killed, memory hogs, slow clients, clients that leave, bodies that are cut off
+    faults      workers killed, memory hogs, slow clients, clients that leave or do not read, bodies that are cut off
     batch       domains by the thousand: bare processes, the pool, and over HTTP
     resumed     a batch whose server is killed on the way, and what of it is computed again
     dismissed   running jobs dismissed: how soon their processors are free

@@ -28,6 +28,10 @@ MEMORY_BYTES = 128 << 20
 HOG_EDGES = 60_000
 UPLOAD_SECONDS = 4.0
 HEAD_SECONDS = 3.0
+DOWNLOAD_SECONDS = 3.0
+UNREAD = 60
+"""Answers of a sixth of a megabyte that are asked for and not read: more than the kernel keeps."""
+
 DROP_SECONDS = 0.25
 EXCUSED = ("worker-crashed", "queue-full")
 """What a small request may be answered while workers are killed."""
@@ -53,7 +57,7 @@ async def faults(scale: Scale, report: Report) -> None:
     pieces = small()
     hog = await asyncio.to_thread(huge, HOG_EDGES)
     settings = {"worker_memory_bytes": MEMORY_BYTES, "deadline_seconds": 10}
-    settings |= {"upload_seconds": UPLOAD_SECONDS, "head_seconds": HEAD_SECONDS}
+    settings |= {"upload_seconds": UPLOAD_SECONDS, "head_seconds": HEAD_SECONDS, "download_seconds": DOWNLOAD_SECONDS}
     async with serving(scale.folder, workers=scale.workers, **settings) as server:
         events = Events()
         left = iter(range(scale.events))
@@ -109,7 +113,8 @@ async def _trouble(
 ) -> None:
     """One client that misbehaves, as long as there are events left."""
     chance = random.Random(seed)
-    deeds = {"left": 8, "left long work": 4, "cut off": 5, "slow": 2, "trickle": 1, "trickled head": 1, "broken": 4, "hog": 1}
+    deeds = {"left": 8, "left long work": 4, "cut off": 5, "slow": 2, "trickle": 1, "trickled head": 1, "unread": 1}
+    deeds |= {"broken": 4, "hog": 1}
     for number in left:
         deed = chance.choices(list(deeds), list(deeds.values()))[0]
         events.done[deed] += 1
@@ -204,6 +209,23 @@ async def _in_drops(connection: Connection, content: bytes, seconds: float, name
         answering.cancel()
 
 
+async def _leave_unread(
+    connection: Connection, _c: object, _p: object, _h: object, events: Events, _n: int
+) -> None:
+    """Ask for much and take nothing of it: the connection is ended, whatever is still to be sent."""
+    reader, writer = await connection.open()
+    writer.transport.pause_reading()
+    writer.write(head("GET", "/openapi.json", 0) * UNREAD)
+    await asyncio.sleep(2 * DOWNLOAD_SECONDS)
+    writer.transport.resume_reading()
+    read = 0
+    with contextlib.suppress(ConnectionError):
+        while piece := await reader.read(1 << 20):
+            read += piece.count(b"HTTP/1.1 200 OK")
+    if read == UNREAD:
+        events.wrong.append("unread: the answers were kept")
+
+
 async def _broken(connection: Connection, chance: random.Random, _p: object, _h: object, events: Events, _n: int) -> None:
     """Send what is no domain."""
     name, (body, status, code) = chance.choice(list(BROKEN.items()))
@@ -223,6 +245,7 @@ DEEDS = {
     "slow": _slow,
     "trickle": _trickle,
     "trickled head": _trickle_head,
+    "unread": _leave_unread,
     "broken": _broken,
     "hog": _hog,
 }

@@ -11,6 +11,7 @@ from starlette.requests import Request
 
 from service.errors import RequestError
 from service.http.bodies import LEAST_RATE, read_body
+from service.http.traffic import Load, Traffic
 from service.settings import Settings
 
 LIMIT = 10 * LEAST_RATE
@@ -26,7 +27,8 @@ def received(pieces: list[bytes], pause: float, upload_seconds: float, limit: in
         return {"type": "http.request", "body": piece, "more_body": bool(left)}
 
     app = SimpleNamespace(state=SimpleNamespace(settings=Settings(upload_seconds=upload_seconds)))
-    request = Request({"type": "http", "headers": [], "method": "POST", "app": app, "state": {}}, receive)
+    state = {"load": Load(Traffic(limit))}
+    request = Request({"type": "http", "headers": [], "method": "POST", "app": app, "state": state}, receive)
     return asyncio.run(read_body(request, limit, compressed=False))
 
 

@@ -15,6 +15,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from service.app import create_app
+from service.jobs.blobs import Blobs
 from service.jobs.dbos_jobs import DbosJobs
 from service.orders import Order
 from service.schemas import JobList, JobStatus
@@ -277,6 +278,23 @@ def test_a_removed_job_takes_its_files_unless_another_has_the_same(client: TestC
     assert client.get(f"/v1/jobs/{same[1]}/results").json() == {"did": {"name": "same"}}
     client.delete(f"/v1/jobs/{same[1]}")
     assert blobs(folder) == before
+
+
+def test_results_whose_files_are_gone_or_cannot_be_read(
+    client: TestClient, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job = finished(client, {"name": "gone"})
+    with monkeypatch.context() as patch:
+        patch.setattr(Blobs, "size", unreadable)
+        problem(client.get(f"/v1/jobs/{job}/results"), "store-unavailable")
+    result = client.get(f"/v1/jobs/{job}/results").content
+    (blob,) = (path for path in (folder / "blobs").rglob("*") if path.is_file() and path.read_bytes() == result)
+    blob.unlink()
+    problem(client.get(f"/v1/jobs/{job}/results"), "not-found")
+
+
+def unreadable(*_: object) -> int:
+    raise PermissionError(13, "Permission denied")
 
 
 def test_counts_are_by_state(client: TestClient) -> None:

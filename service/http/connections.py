@@ -1,0 +1,263 @@
+"""Connections, held open for nobody who does not use them: uvicorn's h11 protocol with its limits.
+
+::
+
+    connection made ──┐                                           ┌── the head is whole: the request begins, `bodies` waits on
+                      ├── MAT_HEAD_SECONDS for all of a head ──>──┤
+    answer sent ──────┘                                           └── time is up: 408 if some of it came, and the connection ends
+
+    the socket is full ──> the client takes 16 KiB a second ──> the answer goes on
+                       ──> or less, for MAT_DOWNLOAD_SECONDS ──> the connection ends, and what it had not taken is forgotten
+
+    more than MAT_MAX_CONNECTIONS ──> the one that waited longest for a head ends; or, where none does, the new one, by a 503
+
+uvicorn closes a kept connection that is silent for five seconds, and waits without end for a client that sends a byte now and
+then, be it a head or what is left of a body that nobody wants any more, and for one that never reads its answer. It takes any
+number of connections, and tells of what is no HTTP in plain text.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import sys
+import uuid
+from typing import Literal
+
+import h11
+import orjson
+from uvicorn.protocols.http.h11_impl import STATUS_PHRASES, H11Protocol
+
+from service.errors import ERRORS, MEDIA_TYPE, RequestError
+from service.http.farewell import take_leave
+from service.http.patience import LEAST_RATE, Patience
+from service.settings import KIB, Settings
+
+Reason = Literal["silent", "head", "answer", "crowd", "not-http"]
+"""Why a connection was ended: nothing came, or not all of a head; an answer was not taken; too many were open; it was no HTTP."""
+
+SLICE_BYTES = 16 * KIB
+"""Of what has come that is looked at in one turn of the loop; if it is chunks of one byte, that takes 25 ms."""
+
+_log = logging.getLogger("service.http")
+
+
+class Connections:
+    """Those of one server.
+
+    Attributes
+    ----------
+    open : int
+        How many there are.
+    ended : dict of str to int
+        How many were ended from this side, by `Reason`.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self.head_seconds = settings.head_seconds
+        self.download_seconds = settings.download_seconds
+        self._most = settings.max_connections
+        self._waiting: dict[Connection, None] = {}  # for a head; who has waited longest is the first
+        self.open = 0
+        self.ended: dict[Reason, int] = {"silent": 0, "head": 0, "answer": 0, "crowd": 0, "not-http": 0}
+
+    def enter(self) -> bool:
+        """Count one more. Where that is one too many, another one ends for it; False if there is none to end."""
+        self.open += 1
+        if self.open <= self._most:
+            return True
+        oldest = next(iter(self._waiting), None)
+        if oldest is None:
+            return False
+        oldest.drop("crowd")
+        return True
+
+    def leave(self) -> None:
+        """Count one less."""
+        self.open -= 1
+
+    def waits(self, connection: Connection) -> None:
+        """Note that a connection waits for a head."""
+        self._waiting[connection] = None
+
+    def waits_no_more(self, connection: Connection) -> None:
+        """Note that it does not."""
+        self._waiting.pop(connection, None)
+
+
+class Connection(H11Protocol):
+    """One of them. Use as made by `protocol`."""
+
+    family: Connections
+    _head_deadline: asyncio.TimerHandle | None = None
+    _taking_deadline: asyncio.TimerHandle | None = None
+    _full_since = 0.0  # by the loop's clock; while there is a deadline for taking
+    _untaken = 0  # bytes, then
+    _refused = _dropped = False
+    _unread = b""
+
+    # what comes
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """The first head is waited for, if there is room for one more connection."""
+        super().connection_made(transport)
+        transport.set_write_buffer_limits(high=0)  # `pause_writing` tells of every answer that the socket does not take at once
+        self._patience = Patience(self.family.download_seconds)
+        if self.family.enter():
+            self._wait_for_head()
+        else:
+            self._refuse(RequestError("queue-full", "As many connections are open as may be."), "crowd")
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Nothing is waited for."""
+        self._wait_for_no_head()
+        self._cancel_taking()
+        if exc is None and not self._dropped and (self._refused or self.conn.their_state is h11.SEND_BODY):
+            take_leave(self.loop, self.transport.get_extra_info("socket"), self.family.leave)
+        else:
+            self.family.leave()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Take what has come, a slice at each turn of the loop: thousands of requests or chunks may be in one piece."""
+        waits = bool(self._unread)
+        self._unread += data
+        if not waits:
+            self._take_slice()
+
+    def _take_slice(self) -> None:
+        part, self._unread = self._unread[:SLICE_BYTES], self._unread[SLICE_BYTES:]
+        if part and not self.transport.is_closing():
+            super().data_received(part)
+        if self._unread:
+            self.transport.pause_reading()
+            self.loop.call_soon(self._take_slice)
+        elif not self.flow.read_paused:
+            self.transport.resume_reading()
+
+    def eof_received(self) -> None:
+        """The client sends no more; one whose request is not whole is told so, if it still listens."""
+        rest, self._unread = self._unread, b""
+        if rest and not self.transport.is_closing():
+            super().data_received(rest)
+        begun, _ = self.conn.trailing_data
+        if self.conn.their_state is h11.SEND_BODY or (begun and self.conn.their_state is h11.IDLE):
+            self._refuse(RequestError("not-http", "The connection ended before the request did."), "not-http")
+
+    def handle_events(self) -> None:
+        """Take what has come; a request that has begun has a deadline of its own."""
+        super().handle_events()
+        if self.cycle is not None and not self.cycle.response_complete:
+            self._wait_for_no_head()
+
+    def on_response_complete(self) -> None:
+        """The next head is waited for; it may be here already."""
+        if self._taking_deadline is None:
+            self._patience = Patience(self.family.download_seconds)
+        self._wait_for_head()
+        super().on_response_complete()
+
+    def send_400_response(self, msg: str) -> None:
+        """Called in place of a request by what is no HTTP, while the fault is being handled."""
+        fault = sys.exception()
+        if isinstance(fault, h11.RemoteProtocolError) and fault.error_status_hint == ERRORS["header-too-large"].status:
+            self._refuse(RequestError("header-too-large", "The head of the request is longer than 64 KiB."), "not-http")
+        else:
+            self._refuse(RequestError("not-http", f"{fault or msg}."), "not-http")
+
+    def drop(self, reason: Reason) -> None:
+        """End the connection without a word."""
+        self.family.ended[reason] += 1
+        self._dropped = True
+        self._wait_for_no_head()
+        self.transport.abort()
+
+    def _wait_for_head(self) -> None:
+        self._wait_for_no_head()
+        if not self.transport.is_closing():
+            self.family.waits(self)
+            self._head_deadline = self.loop.call_later(self.family.head_seconds, self._head_too_late)
+
+    def _wait_for_no_head(self) -> None:
+        self.family.waits_no_more(self)
+        if self._head_deadline is not None:
+            self._head_deadline.cancel()
+            self._head_deadline = None
+
+    def _head_too_late(self) -> None:
+        """End the connection; a client that has sent a part of a head is told why."""
+        begun, _ = self.conn.trailing_data
+        if begun and self.conn.our_state is h11.IDLE:
+            self._refuse(RequestError("upload-timeout", f"Its head was waited for {self.family.head_seconds:g} s."), "head")
+        else:
+            self.family.ended["silent"] += 1
+            self._wait_for_no_head()
+            self.transport.close()
+
+    def _refuse(self, error: RequestError, reason: Reason) -> None:
+        """Send a problem document, where no request is there that the application could answer, and end the connection."""
+        self.family.ended[reason] += 1
+        self._refused = True
+        self._wait_for_no_head()
+        if self.cycle is not None and not self.cycle.response_complete:  # its body turns out to be none
+            self.cycle.disconnected = True
+            self.cycle.message_event.set()
+        if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE):
+            request_id = uuid.uuid4().hex
+            _log.info("a connection was ended: %s %s", error.code, error.detail, extra={"request_id": request_id})
+            self._send(error, request_id)
+        self.transport.close()
+
+    def _send(self, error: RequestError, request_id: str) -> None:
+        status, document = ERRORS[error.code].status, orjson.dumps(error.document(request_id))
+        headers = [("Content-Type", MEDIA_TYPE), ("Content-Length", str(len(document)))]
+        headers += [("Cache-Control", "no-store"), ("Connection", "close"), ("X-Request-ID", request_id)]
+        if (pause := ERRORS[error.code].retry_after_seconds) is not None:
+            headers.append(("Retry-After", str(pause)))
+        answer = h11.Response(status_code=status, headers=headers, reason=STATUS_PHRASES[status])
+        for event in (answer, h11.Data(data=document), h11.EndOfMessage()):
+            self.transport.write(self.conn.send(event))
+
+    # what goes
+
+    def pause_writing(self) -> None:
+        """The socket is full; the client is waited for."""
+        super().pause_writing()
+        self._wait_for_taking()
+
+    def resume_writing(self) -> None:
+        """The socket has taken everything."""
+        super().resume_writing()
+        self._note_taken()
+        if self.cycle is None or self.cycle.response_complete:
+            self._patience = Patience(self.family.download_seconds)
+
+    def _wait_for_taking(self) -> None:
+        self._full_since, self._untaken = self.loop.time(), self.transport.get_write_buffer_size()
+        self._taking_deadline = self.loop.call_later(self._patience.left, self._taken_too_slowly)
+
+    def _note_taken(self) -> None:
+        """What the time cost since the socket was full, and what the client took in it."""
+        taken = max(0, self._untaken - self.transport.get_write_buffer_size())
+        self._patience.waited(self.loop.time() - self._full_since, taken)
+        self._cancel_taking()
+
+    def _cancel_taking(self) -> None:
+        if self._taking_deadline is not None:
+            self._taking_deadline.cancel()
+            self._taking_deadline = None
+
+    def _taken_too_slowly(self) -> None:
+        """End the connection, unless enough was taken meanwhile."""
+        self._note_taken()
+        if self._patience.left > 0.0:
+            self._wait_for_taking()
+            return
+        seconds = self.family.download_seconds
+        _log.info("an answer was taken at less than %d bytes a second for %g s; its connection was ended", LEAST_RATE, seconds)
+        self.drop("answer")
+
+
+def protocol(connections: Connections) -> type[Connection]:
+    """The protocol for `uvicorn.Config`."""
+    return type("Connection", (Connection,), {"family": connections})
