@@ -76,7 +76,8 @@ def compared(name: str, share: float, domain: Domain, result: Offset) -> Checked
     miss = result.area - between.area
     # on a grid: without one GEOS may take nothing away where edges of both are one but for rounding
     grid = ROUNDING * domain.size
-    beyond = shapely.difference(own, between.most, grid).area + shapely.difference(between.least, own, grid).area
+    beyond = shapely.difference(own, between.most, grid_size=grid).area
+    beyond += shapely.difference(between.least, own, grid_size=grid).area
     counts = {_counts(g, CRUMB * domain.area) for g in between}
     problems = list(_crossings(result))
     if between.doubt > DOUBT * domain.area:
