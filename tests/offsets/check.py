@@ -69,13 +69,13 @@ def compared(name: str, share: float, domain: Domain, result: Offset) -> Checked
     """All that can be told of one offset."""
     between = _reference(domain, result.distance)
     error = ERROR * domain.size
+    # on a grid: without one GEOS may take nothing away, or fail, where edges of both are one but for rounding
+    grid = ROUNDING * domain.size
     own = shapely.union_all([
         Flattened(tuple(r.outer.curves), tuple(tuple(hole.curves) for hole in r.holes), error).polygon for r in result.regions
-    ])  # fmt: skip
+    ], grid_size=grid)  # fmt: skip
     slack = (result.max_error + ROUNDING * domain.size) * (result.perimeter + between.most.length)
     miss = result.area - between.area
-    # on a grid: without one GEOS may take nothing away where edges of both are one but for rounding
-    grid = ROUNDING * domain.size
     beyond = shapely.difference(own, between.most, grid_size=grid).area
     beyond += shapely.difference(between.least, own, grid_size=grid).area
     counts = {_counts(g, CRUMB * domain.area) for g in between}
