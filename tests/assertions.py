@@ -31,6 +31,7 @@ BESIDE_CORNER = 0.02  # how far such a branch reaches along the boundary, where 
 FLAT_REACH = 1e-6  # of the radius, from the circle to such a corner
 UNSEEN_DEPTH = 1e-13  # nor is this seen, from such a corner to a disc that touches both its sides
 EXACT = 1e-9  # accuracy asked of nodes and of exact conics
+SEEN = 1e-3  # of the radius of a disc: contacts are no nearer to each other, nor is what touches farther from it
 NAMED = 2  # units of a parameter's last place by which a footpoint's may be off
 EXACT_KINDS = ("line", "parabola", "hyperbola", "ellipse")
 KINDS = (*EXACT_KINDS, "freeform")
@@ -381,12 +382,12 @@ def contact_parts(reference: Reference, center: Floats, slack: float) -> list[fl
     return parts
 
 
-def minima(reference: Reference, center: Floats, slack: float) -> Floats:
-    """The distinct boundary points of locally smallest distance within `slack` of the smallest, (m, 2)."""
+def minima(reference: Reference, center: Floats, slack: float, apart: float) -> Floats:
+    """The boundary points of locally smallest distance within `slack` of the smallest that are `apart`, (m, 2)."""
     found = true_minima(reference, center[None], reference.boundary.contacts(center[None], slack)[1]).point
     kept: list[Floats] = []
     for point in found:
-        if all(np.linalg.norm(point - other) > 1e-9 for other in kept):
+        if all(np.linalg.norm(point - other) > apart for other in kept):
             kept.append(point)
     return np.array(kept).reshape(-1, 2)
 
@@ -428,14 +429,17 @@ def check_nodes(report: Report, answer: Answer, reference: Reference) -> None:
     for i in inner:
         n, center = answer.nodes[i], answer.node_disc[i, :2]
         degree, kind = answer.degree[n["id"]], n["kind"]
-        loose = contact_parts(reference, center, 2e-8 + 4 * floor)
-        tight = contact_parts(reference, center, 1e-12 + reference.floor)
+        # no disc is seen more coarsely than what a small part of its radius is
+        radius = float(answer.node_disc[i, 2])
+        slack = min(2e-8, SEEN * radius) + 4 * floor
+        loose = contact_parts(reference, center, slack)
+        tight = contact_parts(reference, center, min(1e-12, SEEN * radius) + reference.floor)
         where = f"node {n['id']} ({kind}, degree {degree}) at {center} r {answer.node_disc[i, 2]:.6g}"
         whole = max(loose) > 2 * math.pi - 1e-2
         # two contacts may be so close that the boundary between them is within the slack, too
         seen = max(len(loose), len(tight))
         if degree > seen:
-            seen = max(seen, len(minima(reference, center, 2e-8 + 4 * floor)))
+            seen = max(seen, len(minima(reference, center, slack, min(1e-9, SEEN * radius))))
         # a disc that reaches both sides of a corner too flat to see has two contacts there, or one if the corner is smooth
         reached = np.abs(np.linalg.norm(reference.flat_corners - center, axis=1) - answer.node_disc[i, 2])
         flat = int(np.count_nonzero(reached < FLAT_REACH * answer.node_disc[i, 2]))
