@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import end_curvature, from_nearer_end, is_idle, tight_cut, total_turning, trimmed
+from mat_core.boundary.bends import end_curvature, from_nearest, is_idle, tight_cut, total_turning, trimmed
 from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, place_part
 from mat_core.boundary.joints import end_frame
-from mat_core.kernels.bezier import balance, restrict
+from mat_core.kernels.bezier import balance
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
@@ -58,7 +58,7 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
     for side in range(2):
         s = begin if side == 0 else end
         if 0.0 < s < 1.0:
-            x, y, x1, y1, x2, y2 = from_nearer_end(cp, c0, deg, rational, s)
+            x, y, x1, y1, x2, y2 = from_nearest(cp, c0, deg, rational, s)
             speed = math.sqrt(x1 * x1 + y1 * y1)
             if speed > 1e-9 * math.sqrt(x2 * x2 + y2 * y2):
                 tx = x1 / speed
@@ -116,23 +116,27 @@ def _mended(cp, c0, deg, rational, begin, end, target):
 
 
 @inner
-def _chain(cp, c0, deg, pieces_i, pieces_f, first, longest, count):
-    """Starts of the pieces of one Bezier to more digits, each where the one before ends by its own control points.
+def _chain(cp, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
+    """Starts of the pieces of Bezier b to more digits, each where the one before ends by its own control points.
 
     So pieces that are near each other, with tiny ones in between, keep the digits of their differences. What rounding leaves over
-    goes to the longest piece; those behind it are placed from the end of the Bezier.
+    goes to the longest piece; those behind it are placed from the end of the Bezier, row `end` of `cp`. Centres of arcs, relative
+    to the start of their piece so far, are placed with it.
     """
     for axis in range(2):
-        pieces_f[first, P_X + axis] = cp[c0, axis]
-        for p in range(first + 1, longest + 1):
-            pieces_f[p, P_X + axis], pieces_f[p, P_X_LOW + axis] = _moved(
-                pieces_f[p - 1, P_X + axis], pieces_f[p - 1, P_X_LOW + axis], cp[pieces_i[p - 1, P_CP0] + deg, axis])
-        high = cp[c0 + deg, axis]
-        low = 0.0
-        for p in range(count - 1, longest, -1):
-            high, low = _moved(high, low, -cp[pieces_i[p, P_CP0] + deg, axis])
+        high = bez_f[b, 3 + axis]
+        low = bez_f[b, 5 + axis]
+        for p in range(first, longest + 1):
             pieces_f[p, P_X + axis] = high
             pieces_f[p, P_X_LOW + axis] = low
+            high, low = _moved(high, low, cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
+        high, low = _moved(bez_f[b, 3 + axis], bez_f[b, 5 + axis], cp[end, axis])
+        for p in range(count - 1, longest, -1):
+            high, low = _moved(high, low, -cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
+            pieces_f[p, P_X + axis] = high
+            pieces_f[p, P_X_LOW + axis] = low
+        for p in range(first, count):
+            pieces_f[p, P_CENTRE_X + axis] += pieces_f[p, P_X + axis]
 
 
 @inner
@@ -196,8 +200,7 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             end = stop if kind == LINE else _gentle_end(cp, c0, deg, rational, begin, stop, kind, rounding)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                 return -1, cp_used
-            pieces_f[count, P_X], pieces_f[count, P_Y] = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
-            pieces_f[count, P_X_LOW] = pieces_f[count, P_Y_LOW] = 0.0
+            x, y = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
             if kind == SPIRAL:
                 _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
             pieces_i[count, P_KIND] = kind
@@ -208,15 +211,13 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             pieces_i[count, P_SPAN] = span
             _pace(pieces_f, count, begin, end, ua, ub, skew)
             pieces_f[count, P_CURVATURE] = k
-            pieces_f[count, P_CENTRE_X] = cx
-            pieces_f[count, P_CENTRE_Y] = cy
+            pieces_f[count, P_CENTRE_X] = cx - x
+            pieces_f[count, P_CENTRE_Y] = cy - y
             cp_used += deg + 1
             count += 1
             begin = end
-    longest = _longest(cp, deg, pieces_i, first, count)
     if start > 0.0 or last < 1.0:
-        _mended(cp, c0, deg, rational, start, last, pieces_i[longest, P_CP0])
-    _chain(cp, c0, deg, pieces_i, pieces_f, first, longest, count)
+        _mended(cp, c0, deg, rational, start, last, pieces_i[_longest(cp, deg, pieces_i, first, count), P_CP0])
     return count, cp_used
 
 
@@ -231,9 +232,9 @@ def _is_uneven(cp, c0, deg):
 
 
 @inner
-def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
+def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
                 bounds, roots):
-    """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_u`: ua, ub, skew) into pieces, in loop order.
+    """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_f`: ua, ub, skew, start) into pieces, in loop order.
 
     New control points go behind row `cp_used` of `cp`, relative to the start of their piece; a piece ends where the next starts.
     Beziers with very uneven weights are halved first, and balanced, until they are not.
@@ -245,9 +246,10 @@ def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
         for b in range(bez_loop_start[loop], bez_loop_start[loop + 1]):
             deg = bez_i[b, 0]
             c0 = bez_i[b, 1]
-            ua = bez_u[b, 0]
-            ub = bez_u[b, 1]
-            skew = bez_u[b, 2]
+            ua = bez_f[b, 0]
+            ub = bez_f[b, 1]
+            skew = bez_f[b, 2]
+            first = count
             begin = 0.0
             u_begin = ua
             step = 1.0
@@ -256,10 +258,10 @@ def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
                 part = c0
                 u_end = ub
                 part_skew = skew
-                if _is_uneven(cp, c0, deg):
+                if deg > 1 and _is_uneven(cp, c0, deg):
                     if cp_used + deg + 1 > cp.shape[0]:
                         return -1, cp_used
-                    restrict(cp, c0, deg, begin, end, cp, cp_used)
+                    place_part(cp, c0, deg, 1, begin, end, table, cp_used)
                     before = skew * begin + (1.0 - begin)
                     after = skew * end + (1.0 - end)
                     if end < 1.0:
@@ -277,5 +279,6 @@ def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
                 begin = end
                 u_begin = u_end
                 step *= 2.0
+            _chain(cp, bez_f, b, c0 + deg, pieces_i, pieces_f, first, _longest(cp, deg, pieces_i, first, count), count)
         piece_loop_start[loop + 1] = count
     return count, cp_used
