@@ -75,6 +75,18 @@ def is_idle(cp, c0, deg, rational, a, b, rounding):
 
 
 @inner
+def _trim_at(cp, c0, deg, rational, end, near, far):
+    """Where a Bezier is 2 `TRIM` away from its end, between two parameters."""
+    for _ in range(60):
+        m = 0.5 * (near + far)
+        if _apart(cp, c0, deg, rational, float(end), m) < 2.0 * TRIM:
+            near = m
+        else:
+            far = m
+    return far
+
+
+@inner
 def trimmed(cp, c0, deg, rational, end, roots, n_roots):
     """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_mended` brings it back to its vertex.
 
@@ -91,23 +103,16 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
     handle = math.sqrt((cp[q, 0] - cp[p, 0]) ** 2 + (cp[q, 1] - cp[p, 1]) ** 2)
     if tip < 0 and (handle == 0.0 or handle > SHORT_HANDLE):
         return float(end)
-    begin = roots[tip] if tip >= 0 else float(end)
-    near = begin
+    near = roots[tip] if tip >= 0 else float(end)
     far = 1.0 - end
     beyond = tip + 1 if end == 0 else (tip if tip >= 0 else n_roots) - 1
     if 0 <= beyond < n_roots:
         far = roots[beyond]
-    for _ in range(60):
-        m = 0.5 * (near + far)
-        if _apart(cp, c0, deg, rational, float(end), m) < 2.0 * TRIM:
-            near = m
-        else:
-            far = m
+    far = _trim_at(cp, c0, deg, rational, end, near, far)
     if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) <= HAIRPIN:
         return float(end)
     # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either
     if 0.0 < _curvature(cp, c0, deg, rational, far) * TRIM < 1.0:
-        near = begin
         for _ in range(60):
             m = 0.5 * (near + far)
             if _curvature(cp, c0, deg, rational, m) * TRIM > 1.0:
@@ -115,6 +120,22 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
             else:
                 far = m
     return far
+
+
+@inner
+def peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
+    """The highest curvature that a Bezier has so near to its end, where it is k, that there is no room for a piece; k if that bends little.
+
+    The rounding of coordinates bends a piece of 1e-13 by some 1e-3 rad; what bends by more is a leaf, at the joint.
+    """
+    most = k
+    for i in range(n_roots):
+        if _apart(cp, c0, deg, rational, float(end), roots[i]) < SHORT * rounding:
+            most = max(most, _curvature(cp, c0, deg, rational, roots[i]))
+    if not max(k, 0.0) < most < math.inf:
+        return k
+    far = _trim_at(cp, c0, deg, rational, end, float(end), 1.0 - end)
+    return most if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) > SLIGHT else k
 
 
 @inner

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import end_curvature, from_nearest, is_idle, tight_cut, total_turning, trimmed
+from mat_core.boundary.bends import end_curvature, from_nearest, is_idle, peak_at_end, tight_cut, total_turning, trimmed
 from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, place_part
 from mat_core.boundary.joints import end_frame
 from mat_core.kernels.bezier import balance
@@ -216,6 +216,12 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             cp_used += deg + 1
             count += 1
             begin = end
+    if kind == SPIRAL and n_roots > 0:
+        for end in range(2):
+            row = first if end == 0 else count - 1
+            if (start if end == 0 else last) == end:
+                pieces_f[row, P_FRAME + 3 * end + 2] = peak_at_end(
+                    cp, c0, deg, rational, end, roots, n_roots, pieces_f[row, P_FRAME + 3 * end + 2], rounding)
     if start > 0.0 or last < 1.0:
         _mended(cp, c0, deg, rational, start, last, pieces_i[_longest(cp, deg, pieces_i, first, count), P_CP0])
     return count, cp_used
