@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from mat_core.boundary.bends import end_curvature, from_nearest, is_idle, peak_at_end, tight_cut, total_turning, trimmed
-from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, place_part
+from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, nearest_row, place_part
 from mat_core.boundary.joints import end_frame
 from mat_core.kernels.bezier import balance
 from mat_core.kernels.curve import bezier_frame
@@ -28,6 +28,7 @@ PF_WIDTH = 16
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 SHORTEST = 1e-9  # of the parameter; what is shorter is not halved, however much it turns
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
+SAME_WAY = 0.995  # cosine of the angle at a knot of a curve that does not stand still there: rounding turns it by less
 UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
 
 
@@ -116,7 +117,7 @@ def _mended(cp, c0, deg, rational, begin, end, target):
 
 
 @inner
-def _chain(cp, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
+def _chain(cp, cp_low, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
     """Starts of the pieces of Bezier b to more digits, each where the one before ends by its own control points.
 
     So pieces that are near each other, with tiny ones in between, keep the digits of their differences. What rounding leaves over
@@ -130,7 +131,7 @@ def _chain(cp, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
             pieces_f[p, P_X + axis] = high
             pieces_f[p, P_X_LOW + axis] = low
             high, low = _moved(high, low, cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
-        high, low = _moved(bez_f[b, 3 + axis], bez_f[b, 5 + axis], cp[end, axis])
+        high, low = _moved(bez_f[b, 3 + axis], bez_f[b, 5 + axis] + cp_low[end, axis], cp[end, axis])
         for p in range(count - 1, longest, -1):
             high, low = _moved(high, low, -cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
             pieces_f[p, P_X + axis] = high
@@ -238,9 +239,42 @@ def _is_uneven(cp, c0, deg):
 
 
 @inner
-def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
-                bounds, roots):
-    """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_f`: ua, ub, skew, start) into pieces, in loop order.
+def _go_on(cp, pieces_i, pieces_f, before, after):
+    """One tangent where piece `after` goes on in the direction of `before`, at a knot: that of the side which tells it better."""
+    if pieces_i[before, P_KIND] != SPIRAL or pieces_i[after, P_KIND] != SPIRAL:
+        return
+    tx = pieces_f[before, P_FRAME + 3]
+    ty = pieces_f[before, P_FRAME + 4]
+    ux = pieces_f[after, P_FRAME]
+    uy = pieces_f[after, P_FRAME + 1]
+    if tx * ux + ty * uy < SAME_WAY:  # it stands still at the knot
+        return
+    end = pieces_i[before, P_CP0] + pieces_i[before, P_DEG]
+    start = pieces_i[after, P_CP0]
+    left = abs(cp[end, 0] - cp[end - 1, 0]) + abs(cp[end, 1] - cp[end - 1, 1])
+    right = abs(cp[start + 1, 0]) + abs(cp[start + 1, 1])
+    if left >= right:
+        pieces_f[after, P_FRAME] = tx
+        pieces_f[after, P_FRAME + 1] = ty
+    else:
+        pieces_f[before, P_FRAME + 3] = ux
+        pieces_f[before, P_FRAME + 4] = uy
+
+
+@inner
+def _about_nearest(cp, cp_low, c0, deg, begin, target):
+    """A Bezier relative to the control point that says most about its point at `begin`, in rows target.. of `cp`."""
+    near = nearest_row(cp, c0, deg, 1, begin)
+    for i in range(deg + 1):
+        for axis in range(2):
+            cp[target + i, axis] = (cp[c0 + i, axis] - cp[near, axis]) + (cp_low[c0 + i, axis] - cp_low[near, axis])
+        cp[target + i, 2] = cp[c0 + i, 2]
+
+
+@inner
+def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table,
+                work, bounds, roots):
+    """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span, goes on; `bez_f`: ua, ub, skew, start) into pieces, in order.
 
     New control points go behind row `cp_used` of `cp`, relative to the start of their piece; a piece ends where the next starts.
     Beziers with very uneven weights are halved first, and balanced, until they are not.
@@ -265,9 +299,10 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
                 u_end = ub
                 part_skew = skew
                 if deg > 1 and _is_uneven(cp, c0, deg):
-                    if cp_used + deg + 1 > cp.shape[0]:
+                    if cp_used + 2 * (deg + 1) > cp.shape[0]:
                         return -1, cp_used
-                    place_part(cp, c0, deg, 1, begin, end, table, cp_used)
+                    _about_nearest(cp, cp_low, c0, deg, begin, cp_used + deg + 1)
+                    place_part(cp, cp_used + deg + 1, deg, 1, begin, end, table, cp_used)
                     before = skew * begin + (1.0 - begin)
                     after = skew * end + (1.0 - end)
                     if end < 1.0:
@@ -285,6 +320,8 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
                 begin = end
                 u_begin = u_end
                 step *= 2.0
-            _chain(cp, bez_f, b, c0 + deg, pieces_i, pieces_f, first, _longest(cp, deg, pieces_i, first, count), count)
+            if bez_i[b, 5] and b > bez_loop_start[loop]:
+                _go_on(cp, pieces_i, pieces_f, first - 1, first)
+            _chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, _longest(cp, deg, pieces_i, first, count), count)
         piece_loop_start[loop + 1] = count
     return count, cp_used
