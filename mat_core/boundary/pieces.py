@@ -164,23 +164,29 @@ def _pace(pieces_f, p, begin, end, ua, ub, skew):
 
 
 @inner
-def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table, work,
-                bounds, roots):
-    """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small."""
-    kind = SPIRAL
-    k = cx = cy = 0.0
-    n_roots = 0
+def _simple_kind(cp, c0, deg, rational, rounding, table):
+    """(LINE, ARC or else SPIRAL, curvature and centre of an ARC) of a Bezier."""
     if is_straight(cp, c0, deg, rounding):
-        kind = LINE
-    else:
-        if rational == 1:
-            k, cx, cy = circle_of(cp, c0, deg, 8.0 * rounding, table)
-        if k != 0.0:
-            kind = ARC
-        else:
-            n_roots = curvature_changes(cp, c0, deg, rational, cp_used, rounding, table, work, bounds, roots)
-            if n_roots < 0:
-                return -1, cp_used
+        return LINE, 0.0, 0.0, 0.0
+    k = cx = cy = 0.0
+    if rational == 1:
+        k, cx, cy = circle_of(cp, c0, deg, 8.0 * rounding, table)
+    return ARC if k != 0.0 else SPIRAL, k, cx, cy
+
+
+@inner
+def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table,
+                work, bounds, roots):
+    """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small.
+
+    A part of one that is known to be bent is neither straight nor an arc, however short.
+    """
+    n_roots = 0
+    kind, k, cx, cy = (SPIRAL, 0.0, 0.0, 0.0) if bent else _simple_kind(cp, c0, deg, rational, rounding, table)
+    if kind == SPIRAL:
+        n_roots = curvature_changes(cp, c0, deg, rational, cp_used, rounding, table, work, bounds, roots)
+        if n_roots < 0:
+            return -1, cp_used
     first = count
     gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
     start = trimmed(cp, c0, deg, rational, 0, roots, n_roots)
@@ -290,6 +296,8 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             ub = bez_f[b, 1]
             skew = bez_f[b, 2]
             first = count
+            uneven = deg > 1 and _is_uneven(cp, c0, deg)
+            bent = uneven and _simple_kind(cp, c0, deg, 1, rounding, table)[0] == SPIRAL
             begin = 0.0
             u_begin = ua
             step = 1.0
@@ -298,7 +306,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                 part = c0
                 u_end = ub
                 part_skew = skew
-                if deg > 1 and _is_uneven(cp, c0, deg):
+                if uneven:
                     if cp_used + 2 * (deg + 1) > cp.shape[0]:
                         return -1, cp_used
                     _about_nearest(cp, cp_low, c0, deg, begin, cp_used + deg + 1)
@@ -313,7 +321,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                         continue
                     part = cp_used
                     cp_used += deg + 1
-                count, cp_used = _cut_bezier(cp, part, deg, bez_i[b, 2], bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew,
+                count, cp_used = _cut_bezier(cp, part, deg, bez_i[b, 2], bent, bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew,
                                              cp_used, count, pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
                 if count < 0:
                     return -1, cp_used
