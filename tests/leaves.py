@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tests.assertions import contact_parts
-from tests.reference import SMOOTH_TURN, Floats, Ints, Reference
+from tests.reference import SMOOTH_TURN, Bend, Floats, Ints, Reference
 
 LARGEST = 2.0  # no disc of a domain of size one is larger
 LEVEL = 1e-8  # relative change of curvature below which an arc is circular
@@ -24,6 +24,8 @@ JOINT_BLUR = 1e-11  # rounding of a cell's second derivative, in its own paramet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
 DOUBT = 1e-7  # up to here nobody can say
 SHARE_EMPTY, SHARE_DOUBT = 1e-4, 1e-2  # of its radius, if that is less
+FAINT = 4e-9  # radians; a rise of the curvature to above zero that turns by less is not seen with certainty
+RIPPLE = 0.01  # of the curvature in such a bend, between two of its maxima
 AT_VERTEX = 1e-11  # a bend that is a vertex begins and ends this near to it
 AROUND = 4  # points of the grid on either side that a maximum is above; where cells meet, rounding makes maxima of one
 FLAT = 1e-4  # radians; a corner that turns by less is not seen with certainty
@@ -43,8 +45,8 @@ def count_leaves(reference: Reference) -> Leaves:
     count = sum(c.turn > 0 for c in reference.corners) - flat_corners
     at_rest = {int(i) for i in np.nonzero(reference.stalls)[0]}
     doubtful = 2 * sum(c.turn < 0 and c.cell in at_rest for c in reference.corners)  # a leaf of radius 0 for each side
-    doubtful += sum(b.turn <= reference.smooth_angle and b.left > 0 for b in reference.bends)  # of discs within the bend alone
-    for cell, s, flat, hidden in candidates(reference):
+    doubtful += sum(max(0, tips(reference, b) - (b.turn > reference.smooth_angle)) for b in reference.bends)
+    for cell, s, flat, hidden, faint in candidates(reference):
         p, normal, curvature = (v[0] for v in reference.at(np.array([cell]), np.array([s])))
         if not np.isfinite(curvature):
             doubtful += 1
@@ -60,8 +62,27 @@ def count_leaves(reference: Reference) -> Leaves:
         elif flat:
             count += len(contact_parts(reference, center, 1e-9)) == 1 and not _whole(reference, center)
         else:
-            count += 1
+            count += not faint
+            doubtful += faint
     return Leaves(int(count), doubtful + flat_corners)
+
+
+def tips(reference: Reference, bend: Bend) -> int:
+    """Leaves that may stand inside a bend that is a vertex to any disc but its own: its corners and maxima of its curvature."""
+    steps = np.linspace(0, 1, reference.boundary.grid.shape[1])[1:-1]
+    k = reference.at(np.repeat(bend.cells, len(steps)), np.tile(steps, len(bend.cells)))[2]
+    # a reflex corner inside parts its sides
+    parted = len(steps) * (np.nonzero(reference.turns[bend.cells] < -reference.smooth_angle)[0] + 1)
+    k = np.insert(k, parted, -np.finfo(float).max)
+    rising, low, high, count = True, k[0], k[0], 0
+    for value in k:
+        low, high = min(low, value), max(high, value)
+        if rising and value < high - RIPPLE * abs(high):
+            count, rising, low = count + (high > 0), False, value
+        elif not rising and value > low + RIPPLE * abs(low):
+            rising, high = True, value
+    joints = reference.turns[[bend.before, *bend.cells]]
+    return int(count + (rising and high > 0) + np.count_nonzero(joints > reference.smooth_angle))
 
 
 def nearly_circular(reference: Reference) -> int:
@@ -78,9 +99,12 @@ def _whole(reference: Reference, center: Floats) -> bool:
     return contact_parts(reference, center, 1e-9)[0] > 2 * np.pi - 1e-6
 
 
-def candidates(reference: Reference) -> list[tuple[int, float, bool, int]]:
-    """Maxima of positive curvature as (cell, s, plateau, slight maxima on the plateau), once each."""
-    found: list[tuple[int, float, bool, int]] = []
+def candidates(reference: Reference) -> list[tuple[int, float, bool, int, bool]]:
+    """Maxima of positive curvature as (cell, s, plateau, slight maxima on the plateau, faint), once each.
+
+    Faint ones rise from below zero and fall again within some 1e-9 rad: the two contacts of their discs are 1e-12 apart.
+    """
+    found: list[tuple[int, float, bool, int, bool]] = []
     seen: list[Floats] = []
     convex = np.array([c.point for c in reference.corners if c.turn > 0]).reshape(-1, 2)
     for cells, s in smooth_chains(reference):
@@ -115,8 +139,27 @@ def candidates(reference: Reference) -> list[tuple[int, float, bool, int]]:
             hidden = slight_maxima(k[a : b + 1]) + int(min(gaps, default=1.0) < 1e-7)
             if flat:
                 seen.append(disc)
-            found.append((cell, at, flat, hidden))
+            faint = not flat and 0 < k[m] * rise(reference, cells, s, k, m) < FAINT
+            found.append((cell, at, flat, hidden, faint))
     return found
+
+
+def rise(reference: Reference, cells: Ints, s: Floats, k: Floats, top: int) -> float:
+    """How far a maximum of the curvature is from where that rises above zero before it, or falls below after it; 0 if it does not."""
+    way = 0.0
+    peak = reference.at(cells[[top]], s[[top]])[0][0]
+    for step in (-1, 1):
+        below = top
+        while 0 <= below < len(k) and k[below] >= 0:
+            below += step
+        if not 0 <= below < len(k):
+            continue
+        lo, hi = float(s[below]), float(s[below - step]) if cells[below - step] == cells[below] else float(step < 0)
+        for _ in range(60):
+            middle = 0.5 * (lo + hi)
+            lo, hi = (middle, hi) if reference.at(cells[[below]], np.array([middle]))[2][0] < 0 else (lo, middle)
+        way += float(np.linalg.norm(reference.at(cells[[below]], np.array([lo]))[0][0] - peak))
+    return way
 
 
 def smooth_chains(reference: Reference) -> list[tuple[Ints, Floats]]:

@@ -139,7 +139,7 @@ class CurveSet:
         self.half = 0.5 * np.linalg.norm(self.end - self.start, axis=1) + self.sag
         s = np.repeat(np.linspace(0, 1, GRID)[None], len(self.owner), axis=0)
         cells = np.repeat(np.arange(len(self.owner))[:, None], GRID, axis=1)
-        self.grid, self.grid_d, _ = (
+        self.grid, self.grid_d, self.grid_dd = (
             v.reshape(len(self.owner), GRID, -1) for v in self.evaluate(cells.ravel(), s.ravel())
         )
         self.tree = cKDTree(0.5 * (self.start + self.end))
@@ -255,8 +255,9 @@ class CurveSet:
         s = self._refine(cell[row], p[row], j * step, (j + 1) * step)
         at0, at1 = np.nonzero(g[:, 0] >= 0)[0], np.nonzero(g[:, -1] <= 0)[0]
         dip, dip_s = self._dips(cell, p, at0, at1)
-        rows = np.concatenate([row, at0, at1, dip])
-        s = np.concatenate([s, np.zeros(len(at0)), np.ones(len(at1)), dip_s])
+        pair, pair_s = self._pairs(cell, p, g)
+        rows = np.concatenate([row, at0, at1, dip, pair])
+        s = np.concatenate([s, np.zeros(len(at0)), np.ones(len(at1)), dip_s, pair_s])
         q, cell = q[rows], cell[rows]
         point = self.evaluate(cell, s)[0]
         distance = np.linalg.norm(point - queries[q], axis=1)
@@ -283,6 +284,28 @@ class CurveSet:
         i, j = np.nonzero((g[:, :-1] < 0) & (g[:, 1:] >= 0))
         a, b = s[i, j], s[i, j + 1]
         return rows[i], self._refine(cell[rows[i]], p[rows[i]], np.minimum(a, b), np.maximum(a, b))
+
+    def _pairs(self, cell: Ints, p: Floats, g: Floats) -> tuple[Ints, Floats]:
+        """Minima between two points of the grid that have a maximum between them, too: rows and parameters.
+
+        There g = (C - p).C' has the same sign at both, and its own extremum between them has the other one.
+        """
+        slope = np.sum(self.grid_d[cell] ** 2, axis=2) + np.einsum("ijk,ijk->ij", self.grid[cell] - p[:, None], self.grid_dd[cell])
+        above = (g[:, :-1] > 0) & (g[:, 1:] > 0) & (slope[:, :-1] < 0) & (slope[:, 1:] > 0)
+        below = (g[:, :-1] < 0) & (g[:, 1:] < 0) & (slope[:, :-1] > 0) & (slope[:, 1:] < 0)
+        row, j = np.nonzero(above | below)
+        sign = np.where(above[row, j], 1.0, -1.0)
+        a, b = j / (GRID - 1), (j + 1) / (GRID - 1)
+        lo, hi = a.copy(), b.copy()
+        for _ in range(50 if len(row) else 0):
+            m = 0.5 * (lo + hi)
+            c, c1, c2 = self.evaluate(cell[row], m)
+            falls = sign * (np.sum(c1 * c1, axis=1) + np.sum((c - p[row]) * c2, axis=1)) < 0
+            lo, hi = np.where(falls, m, lo), np.where(falls, hi, m)
+        c, c1, _ = self.evaluate(cell[row], lo)
+        through = sign * np.sum((c - p[row]) * c1, axis=1) < 0
+        row, a, b, lo, up = (v[through] for v in (row, a, b, lo, sign > 0))
+        return row, self._refine(cell[row], p[row], np.where(up, lo, a), np.where(up, b, lo))
 
     def _refine(self, cell: Ints, p: Floats, lo: Floats, hi: Floats) -> Floats:
         """Root of (C(s) - p).C'(s) in [lo, hi] by Newton, bisecting whenever it would leave the bracket."""
@@ -496,7 +519,10 @@ class Reference:
         cells = np.array([c.cell for c in self.corners if c.turn < 0], dtype=np.int64)
         if not len(cells):
             return np.empty((0, 2))
-        before, after = self.at(cells, np.ones(len(cells)))[2], self.at(self.follow[cells], np.zeros(len(cells)))[2]
+        follow = self.follow.copy()
+        for bend in self.bends:
+            follow[bend.before] = bend.after
+        before, after = self.at(cells, np.ones(len(cells)))[2], self.at(follow[cells], np.zeros(len(cells)))[2]
         tight: Floats = self.boundary.end[cells[np.fmax(before, after) > 1e3]]
         return tight
 
@@ -533,7 +559,8 @@ class Reference:
 
     def inside(self, points: Floats) -> NDArray[np.bool_]:
         """Crossing number on the chords of the cells: right beyond a sag of the boundary."""
-        a, b = self.boundary.start, self.boundary.end
+        a = self.boundary.start
+        b = a[self.follow]
         result = np.zeros(len(points), dtype=bool)
         for i, (x, y) in enumerate(points):
             up = (a[:, 1] <= y) != (b[:, 1] <= y)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.curvature import SHORT
+from mat_core.boundary.curvature import SHORT, nearest_row
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 
@@ -19,12 +19,12 @@ SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
 
 
 @inner
-def from_nearer_end(cp, c0, deg, rational, s):
-    """`bezier_frame` relative to the nearer end: a rational curve that stands still there has no speed left over by rounding.
+def from_nearest(cp, c0, deg, rational, s):
+    """`bezier_frame` relative to the `nearest_row`: a rational curve that stands still at an end has no speed left by rounding.
 
     Such a rest would be taken for a direction, and what it turns by for a bend.
     """
-    near = c0 if s <= 0.5 else c0 + deg
+    near = nearest_row(cp, c0, deg, rational, s)
     return bezier_frame(cp, c0, deg, rational, s, cp[near, 0], cp[near, 1])
 
 
@@ -35,7 +35,7 @@ def total_turning(cp, c0, deg, rational, begin, end):
     px = py = 0.0
     for step in range(9):
         s = begin + 0.125 * step * (end - begin)
-        x, y, x1, y1, x2, y2 = from_nearer_end(cp, c0, deg, rational, s)
+        x, y, x1, y1, x2, y2 = from_nearest(cp, c0, deg, rational, s)
         if x1 == 0.0 and y1 == 0.0:
             continue
         if px != 0.0 or py != 0.0:
@@ -48,7 +48,7 @@ def total_turning(cp, c0, deg, rational, begin, end):
 @inner
 def _apart(cp, c0, deg, rational, a, b):
     """Distance of the points at two parameters."""
-    near = c0 if a + b <= 1.0 else c0 + deg
+    near = nearest_row(cp, c0, deg, rational, 0.5 * (a + b) if 0.0 < a < 1.0 else a)
     ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, a, cp[near, 0], cp[near, 1])
     bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, b, cp[near, 0], cp[near, 1])
     return math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
@@ -57,7 +57,7 @@ def _apart(cp, c0, deg, rational, a, b):
 @inner
 def _curvature(cp, c0, deg, rational, s):
     """Curvature at s; infinite where the Bezier stands still."""
-    x, y, x1, y1, x2, y2 = from_nearer_end(cp, c0, deg, rational, s)
+    x, y, x1, y1, x2, y2 = from_nearest(cp, c0, deg, rational, s)
     speed = math.sqrt(x1 * x1 + y1 * y1)
     return (x1 * y2 - y1 * x2) / (speed * speed * speed) if speed > 0.0 else math.inf
 
@@ -72,6 +72,18 @@ def is_idle(cp, c0, deg, rational, a, b, rounding):
         return False
     k = _curvature(cp, c0, deg, rational, a)
     return abs(_curvature(cp, c0, deg, rational, b) - k) <= AT_REST * abs(k) < math.inf
+
+
+@inner
+def _trim_at(cp, c0, deg, rational, end, near, far):
+    """Where a Bezier is 2 `TRIM` away from its end, between two parameters."""
+    for _ in range(60):
+        m = 0.5 * (near + far)
+        if _apart(cp, c0, deg, rational, float(end), m) < 2.0 * TRIM:
+            near = m
+        else:
+            far = m
+    return far
 
 
 @inner
@@ -91,23 +103,16 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
     handle = math.sqrt((cp[q, 0] - cp[p, 0]) ** 2 + (cp[q, 1] - cp[p, 1]) ** 2)
     if tip < 0 and (handle == 0.0 or handle > SHORT_HANDLE):
         return float(end)
-    begin = roots[tip] if tip >= 0 else float(end)
-    near = begin
+    near = roots[tip] if tip >= 0 else float(end)
     far = 1.0 - end
     beyond = tip + 1 if end == 0 else (tip if tip >= 0 else n_roots) - 1
     if 0 <= beyond < n_roots:
         far = roots[beyond]
-    for _ in range(60):
-        m = 0.5 * (near + far)
-        if _apart(cp, c0, deg, rational, float(end), m) < 2.0 * TRIM:
-            near = m
-        else:
-            far = m
+    far = _trim_at(cp, c0, deg, rational, end, near, far)
     if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) <= HAIRPIN:
         return float(end)
     # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either
     if 0.0 < _curvature(cp, c0, deg, rational, far) * TRIM < 1.0:
-        near = begin
         for _ in range(60):
             m = 0.5 * (near + far)
             if _curvature(cp, c0, deg, rational, m) * TRIM > 1.0:
@@ -115,6 +120,22 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
             else:
                 far = m
     return far
+
+
+@inner
+def peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
+    """The highest curvature that a Bezier has so near to its end, where it is k, that there is no room for a piece; k if that bends little.
+
+    The rounding of coordinates bends a piece of 1e-13 by some 1e-3 rad; what bends by more is a leaf, at the joint.
+    """
+    most = k
+    for i in range(n_roots):
+        if _apart(cp, c0, deg, rational, float(end), roots[i]) < SHORT * rounding:
+            most = max(most, _curvature(cp, c0, deg, rational, roots[i]))
+    if not max(k, 0.0) < most < math.inf:
+        return k
+    far = _trim_at(cp, c0, deg, rational, end, float(end), 1.0 - end)
+    return most if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) > SLIGHT else k
 
 
 @inner
@@ -142,8 +163,8 @@ def tight_cut(cp, c0, deg, rational, begin, end, rounding):
     Cut again and again the parts grow away from the bend as its radius does: the parameter of none has too few digits there.
     A bend within the rounding of coordinates stays in one part with what is beside it: a part of 1e-18 is no side of a disc.
     """
-    x, y, ax, ay, bx, by = from_nearer_end(cp, c0, deg, rational, begin)
-    x, y, dx, dy, ex, ey = from_nearer_end(cp, c0, deg, rational, end)
+    x, y, ax, ay, bx, by = from_nearest(cp, c0, deg, rational, begin)
+    x, y, dx, dy, ex, ey = from_nearest(cp, c0, deg, rational, end)
     first = ax * ax + ay * ay
     last = dx * dx + dy * dy
     if first == 0.0 or last == 0.0:
@@ -157,7 +178,7 @@ def tight_cut(cp, c0, deg, rational, begin, end, rounding):
     hi = end
     for _ in range(60):
         m = 0.5 * (lo + hi)
-        x, y, dx, dy, ex, ey = from_nearer_end(cp, c0, deg, rational, m)
+        x, y, dx, dy, ex, ey = from_nearest(cp, c0, deg, rational, m)
         if abs(math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)) < abs(half):
             lo = m
         else:

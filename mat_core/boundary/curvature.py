@@ -32,41 +32,65 @@ def scratch_width(max_degree: int) -> int:
 
 
 @inner
+def nearest_row(cp, c0, deg, rational, s):
+    """The row of the control point that says most about the point at s: that is near it where its weight is far above the others.
+
+    Relative to it nothing cancels: where the weight changes fast, the rounding of a far reference would be a speed.
+    """
+    if not rational or s <= 0.0 or s >= 1.0:
+        return c0 if s <= 0.5 else c0 + deg
+    low = s <= 0.5
+    ratio = s / (1.0 - s) if low else (1.0 - s) / s
+    best = c0
+    most = 0.0
+    factor = 1.0
+    for step in range(deg + 1):
+        i = c0 + (step if low else deg - step)
+        if factor * cp[i, 2] > most:
+            most = factor * cp[i, 2]
+            best = i
+        factor *= ratio * (deg - step) / (step + 1.0)
+    return best
+
+
+@inner
 def place_part(cp, c0, deg, rational, begin, end, table, target):
     """(x, y): start of the part [begin, end] of a Bezier; its control points relative to that go to rows target.. of `cp`.
 
-    With numerators N = w (P - start), the restricted differences of N are summed up: the control points of a short part keep
-    their relative digits, of which a restricted N itself would lose those of the part's size against the whole.
+    With numerators N = w (P - Q), Q the `nearest_row`, and S = start - Q, the restricted differences of N and w are summed up:
+    control points of a short part, start + (sum dN - S sum dw) / w, keep the digits that restricted N and w would lose.
     """
-    ox = cp[c0, 0]
-    oy = cp[c0, 1]
+    near = nearest_row(cp, c0, deg, rational, begin)
+    rx = cp[near, 0]
+    ry = cp[near, 1]
+    sx = cp[c0, 0] - rx
+    sy = cp[c0, 1] - ry
     if begin > 0.0:
-        near = c0 if begin <= 0.5 else c0 + deg
-        x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, cp[near, 0], cp[near, 1])
-        ox = cp[near, 0] + x
-        oy = cp[near, 1] + y
+        sx, sy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, rx, ry)
     for i in range(deg + 1):
         w = cp[c0 + i, 2]
-        table[_X, i] = w * (cp[c0 + i, 0] - ox)
-        table[_Y, i] = w * (cp[c0 + i, 1] - oy)
+        table[_X, i] = w * (cp[c0 + i, 0] - rx)
+        table[_Y, i] = w * (cp[c0 + i, 1] - ry)
         table[_W, i] = w
     for i in range(deg):
         table[_X1, i] = table[_X, i + 1] - table[_X, i]
         table[_Y1, i] = table[_Y, i + 1] - table[_Y, i]
+        table[_W1, i] = table[_W, i + 1] - table[_W, i]
     restrict_row(table, _W, deg, begin, end)
     restrict_row(table, _X1, deg - 1, begin, end)
     restrict_row(table, _Y1, deg - 1, begin, end)
-    x = 0.0
-    y = 0.0
+    restrict_row(table, _W1, deg - 1, begin, end)
+    x = y = more = 0.0
     for i in range(deg + 1):
         w = table[_W, i]
-        cp[target + i, 0] = x / w
-        cp[target + i, 1] = y / w
+        cp[target + i, 0] = (x - sx * more) / w
+        cp[target + i, 1] = (y - sy * more) / w
         cp[target + i, 2] = w
         if i < deg:
             x += (end - begin) * table[_X1, i]
             y += (end - begin) * table[_Y1, i]
-    return ox, oy
+            more += (end - begin) * table[_W1, i]
+    return rx + sx, ry + sy
 
 
 @inner

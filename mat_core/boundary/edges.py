@@ -10,27 +10,53 @@ from mat_core.kernels.jit import inner, jit
 @jit
 def cut_edges(
     degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, ox, oy, scale, rounding, moved, span_cp, breaks,
-    bez_i, bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds, roots,
+    bez_i, bez_f, bez_loop_start, cp, cp_low, pieces_i, pieces_f, piece_loop_start, table, work, bounds, roots,
 ):
     """From edges to pieces; returns (pieces, rows of cp), pieces = -1 if a buffer is too small."""
     # before knots are inserted: far from the origin a new point would be rounded as coarsely as those are
     for row in range(control.shape[0]):
-        moved[row, 0] = (control[row, 0] - ox) * scale
-        moved[row, 1] = (control[row, 1] - oy) * scale
+        x, x_low = _between(ox, 0.0, control[row, 0], 0.0)
+        y, y_low = _between(oy, 0.0, control[row, 1], 0.0)
+        moved[row, 0] = x * scale
+        moved[row, 1] = y * scale
         moved[row, 2] = control[row, 2]
+        moved[row, 3] = x_low * scale
+        moved[row, 4] = y_low * scale
     noise = 4.0 * rounding
     used = _collect_beziers(degree, cp_start, moved, knot_start, knots, edge_loop_start, backwards, noise, span_cp, breaks, bez_i,
-                            bez_u, cp, bez_loop_start)
-    return cut_beziers(bez_i, bez_u, bez_loop_start, cp, used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
+                            bez_f, cp, cp_low, bez_loop_start)
+    return cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
                        bounds, roots)
+
+
+@inner
+def _between(a, a_low, b, b_low):
+    """b - a of numbers in two parts, in two parts, the first one rounded."""
+    high = b - a
+    back = high - b
+    low = ((b - (high - back)) - (a + back)) + (b_low - a_low)
+    return high + low, low - ((high + low) - high)
+
+
+@inner
+def _multiplicity(knots, first, last, u):
+    """How many of an edge's knots are u."""
+    count = 0
+    for i in range(first, last):
+        if knots[i] == u:
+            count += 1
+    return count
 
 
 @inner
 def _collect_beziers(
     degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, rounding,
-    span_cp, breaks, bez_i, bez_u, cp, bez_loop_start,
+    span_cp, breaks, bez_i, bez_f, cp, cp_low, bez_loop_start,
 ):
-    """Fill bez_i (degree, cp0, rational, edge, span), bez_u (ua, ub, skew), cp; returns the rows of cp."""
+    """Fill bez_i (degree, cp0, rational, edge, span, whether it goes on where the one before ends), bez_f (ua, ub, skew, start and its further digits), cp; the rows of cp.
+
+    Control points are relative to the start of their Bezier; what is left of them beyond their digits goes to cp_low.
+    """
     count = 0
     used = 0
     bez_loop_start[0] = 0
@@ -49,14 +75,16 @@ def _collect_beziers(
                 row = span * (d + 1)
                 rational = 0
                 extent = 0.0
+                start = row + (d if flip else 0)
                 for i in range(d + 1):
                     source = row + (d - i if flip else i)
-                    cp[used + i, 0] = span_cp[source, 0]
-                    cp[used + i, 1] = span_cp[source, 1]
+                    for axis in range(2):
+                        cp[used + i, axis], cp_low[used + i, axis] = _between(
+                            span_cp[start, axis], span_cp[start, 3 + axis], span_cp[source, axis], span_cp[source, 3 + axis])
                     cp[used + i, 2] = span_cp[source, 2] / span_cp[row, 2]
                     if cp[used + i, 2] != 1.0:
                         rational = 1
-                    extent = max(extent, abs(cp[used + i, 0] - cp[used, 0]), abs(cp[used + i, 1] - cp[used, 1]))
+                    extent = max(extent, abs(cp[used + i, 0]), abs(cp[used + i, 1]))
                 if extent <= rounding:
                     continue
                 bez_i[count, 0] = d
@@ -64,16 +92,23 @@ def _collect_beziers(
                 bez_i[count, 2] = rational
                 bez_i[count, 3] = edge - first
                 bez_i[count, 4] = span
-                bez_u[count, 0] = breaks[span + 1] if flip else breaks[span]
-                bez_u[count, 1] = breaks[span] if flip else breaks[span + 1]
-                bez_u[count, 2] = balance(cp, used, d)
+                knot = breaks[span + 1] if flip else breaks[span]
+                bez_i[count, 5] = _multiplicity(knots, knot_start[edge], knot_start[edge + 1], knot) < d
+                bez_f[count, 0] = breaks[span + 1] if flip else breaks[span]
+                bez_f[count, 1] = breaks[span] if flip else breaks[span + 1]
+                bez_f[count, 2] = balance(cp, used, d)
+                bez_f[count, 3] = span_cp[start, 0]
+                bez_f[count, 4] = span_cp[start, 1]
+                bez_f[count, 5] = span_cp[start, 3]
+                bez_f[count, 6] = span_cp[start, 4]
                 count += 1
                 used += d + 1
         # ends that differ by rounding become one point
         for b in range(loop_first, count):
             after = b + 1 if b + 1 < count else loop_first
             end = bez_i[b, 1] + bez_i[b, 0]
-            cp[end, 0] = cp[bez_i[after, 1], 0]
-            cp[end, 1] = cp[bez_i[after, 1], 1]
+            for axis in range(2):
+                cp[end, axis], cp_low[end, axis] = _between(
+                    bez_f[b, 3 + axis], bez_f[b, 5 + axis], bez_f[after, 3 + axis], bez_f[after, 5 + axis])
         bez_loop_start[loop + 1] = count
     return used

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import end_curvature, from_nearer_end, is_idle, tight_cut, total_turning, trimmed
-from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, place_part
+from mat_core.boundary.bends import end_curvature, from_nearest, is_idle, peak_at_end, tight_cut, total_turning, trimmed
+from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, nearest_row, place_part
 from mat_core.boundary.joints import end_frame
-from mat_core.kernels.bezier import balance, restrict
+from mat_core.kernels.bezier import balance
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
@@ -28,6 +28,7 @@ PF_WIDTH = 16
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 SHORTEST = 1e-9  # of the parameter; what is shorter is not halved, however much it turns
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
+SAME_WAY = 0.995  # cosine of the angle at a knot of a curve that does not stand still there: rounding turns it by less
 UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
 
 
@@ -58,7 +59,7 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
     for side in range(2):
         s = begin if side == 0 else end
         if 0.0 < s < 1.0:
-            x, y, x1, y1, x2, y2 = from_nearer_end(cp, c0, deg, rational, s)
+            x, y, x1, y1, x2, y2 = from_nearest(cp, c0, deg, rational, s)
             speed = math.sqrt(x1 * x1 + y1 * y1)
             if speed > 1e-9 * math.sqrt(x2 * x2 + y2 * y2):
                 tx = x1 / speed
@@ -116,23 +117,27 @@ def _mended(cp, c0, deg, rational, begin, end, target):
 
 
 @inner
-def _chain(cp, c0, deg, pieces_i, pieces_f, first, longest, count):
-    """Starts of the pieces of one Bezier to more digits, each where the one before ends by its own control points.
+def _chain(cp, cp_low, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
+    """Starts of the pieces of Bezier b to more digits, each where the one before ends by its own control points.
 
     So pieces that are near each other, with tiny ones in between, keep the digits of their differences. What rounding leaves over
-    goes to the longest piece; those behind it are placed from the end of the Bezier.
+    goes to the longest piece; those behind it are placed from the end of the Bezier, row `end` of `cp`. Centres of arcs, relative
+    to the start of their piece so far, are placed with it.
     """
     for axis in range(2):
-        pieces_f[first, P_X + axis] = cp[c0, axis]
-        for p in range(first + 1, longest + 1):
-            pieces_f[p, P_X + axis], pieces_f[p, P_X_LOW + axis] = _moved(
-                pieces_f[p - 1, P_X + axis], pieces_f[p - 1, P_X_LOW + axis], cp[pieces_i[p - 1, P_CP0] + deg, axis])
-        high = cp[c0 + deg, axis]
-        low = 0.0
-        for p in range(count - 1, longest, -1):
-            high, low = _moved(high, low, -cp[pieces_i[p, P_CP0] + deg, axis])
+        high = bez_f[b, 3 + axis]
+        low = bez_f[b, 5 + axis]
+        for p in range(first, longest + 1):
             pieces_f[p, P_X + axis] = high
             pieces_f[p, P_X_LOW + axis] = low
+            high, low = _moved(high, low, cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
+        high, low = _moved(bez_f[b, 3 + axis], bez_f[b, 5 + axis] + cp_low[end, axis], cp[end, axis])
+        for p in range(count - 1, longest, -1):
+            high, low = _moved(high, low, -cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
+            pieces_f[p, P_X + axis] = high
+            pieces_f[p, P_X_LOW + axis] = low
+        for p in range(first, count):
+            pieces_f[p, P_CENTRE_X + axis] += pieces_f[p, P_X + axis]
 
 
 @inner
@@ -159,23 +164,29 @@ def _pace(pieces_f, p, begin, end, ua, ub, skew):
 
 
 @inner
-def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table, work,
-                bounds, roots):
-    """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small."""
-    kind = SPIRAL
-    k = cx = cy = 0.0
-    n_roots = 0
+def _simple_kind(cp, c0, deg, rational, rounding, table):
+    """(LINE, ARC or else SPIRAL, curvature and centre of an ARC) of a Bezier."""
     if is_straight(cp, c0, deg, rounding):
-        kind = LINE
-    else:
-        if rational == 1:
-            k, cx, cy = circle_of(cp, c0, deg, 8.0 * rounding, table)
-        if k != 0.0:
-            kind = ARC
-        else:
-            n_roots = curvature_changes(cp, c0, deg, rational, cp_used, rounding, table, work, bounds, roots)
-            if n_roots < 0:
-                return -1, cp_used
+        return LINE, 0.0, 0.0, 0.0
+    k = cx = cy = 0.0
+    if rational == 1:
+        k, cx, cy = circle_of(cp, c0, deg, 8.0 * rounding, table)
+    return ARC if k != 0.0 else SPIRAL, k, cx, cy
+
+
+@inner
+def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table,
+                work, bounds, roots):
+    """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small.
+
+    A part of one that is known to be bent is neither straight nor an arc, however short.
+    """
+    n_roots = 0
+    kind, k, cx, cy = (SPIRAL, 0.0, 0.0, 0.0) if bent else _simple_kind(cp, c0, deg, rational, rounding, table)
+    if kind == SPIRAL:
+        n_roots = curvature_changes(cp, c0, deg, rational, cp_used, rounding, table, work, bounds, roots)
+        if n_roots < 0:
+            return -1, cp_used
     first = count
     gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
     start = trimmed(cp, c0, deg, rational, 0, roots, n_roots)
@@ -196,8 +207,7 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             end = stop if kind == LINE else _gentle_end(cp, c0, deg, rational, begin, stop, kind, rounding)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
                 return -1, cp_used
-            pieces_f[count, P_X], pieces_f[count, P_Y] = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
-            pieces_f[count, P_X_LOW] = pieces_f[count, P_Y_LOW] = 0.0
+            x, y = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
             if kind == SPIRAL:
                 _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
             pieces_i[count, P_KIND] = kind
@@ -208,15 +218,19 @@ def _cut_bezier(cp, c0, deg, rational, edge, span, ua, ub, skew, cp_used, count,
             pieces_i[count, P_SPAN] = span
             _pace(pieces_f, count, begin, end, ua, ub, skew)
             pieces_f[count, P_CURVATURE] = k
-            pieces_f[count, P_CENTRE_X] = cx
-            pieces_f[count, P_CENTRE_Y] = cy
+            pieces_f[count, P_CENTRE_X] = cx - x
+            pieces_f[count, P_CENTRE_Y] = cy - y
             cp_used += deg + 1
             count += 1
             begin = end
-    longest = _longest(cp, deg, pieces_i, first, count)
+    if kind == SPIRAL and n_roots > 0:
+        for end in range(2):
+            row = first if end == 0 else count - 1
+            if (start if end == 0 else last) == end:
+                pieces_f[row, P_FRAME + 3 * end + 2] = peak_at_end(
+                    cp, c0, deg, rational, end, roots, n_roots, pieces_f[row, P_FRAME + 3 * end + 2], rounding)
     if start > 0.0 or last < 1.0:
-        _mended(cp, c0, deg, rational, start, last, pieces_i[longest, P_CP0])
-    _chain(cp, c0, deg, pieces_i, pieces_f, first, longest, count)
+        _mended(cp, c0, deg, rational, start, last, pieces_i[_longest(cp, deg, pieces_i, first, count), P_CP0])
     return count, cp_used
 
 
@@ -231,9 +245,42 @@ def _is_uneven(cp, c0, deg):
 
 
 @inner
-def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
-                bounds, roots):
-    """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span; `bez_u`: ua, ub, skew) into pieces, in loop order.
+def _go_on(cp, pieces_i, pieces_f, before, after):
+    """One tangent where piece `after` goes on in the direction of `before`, at a knot: that of the side which tells it better."""
+    if pieces_i[before, P_KIND] != SPIRAL or pieces_i[after, P_KIND] != SPIRAL:
+        return
+    tx = pieces_f[before, P_FRAME + 3]
+    ty = pieces_f[before, P_FRAME + 4]
+    ux = pieces_f[after, P_FRAME]
+    uy = pieces_f[after, P_FRAME + 1]
+    if tx * ux + ty * uy < SAME_WAY:  # it stands still at the knot
+        return
+    end = pieces_i[before, P_CP0] + pieces_i[before, P_DEG]
+    start = pieces_i[after, P_CP0]
+    left = abs(cp[end, 0] - cp[end - 1, 0]) + abs(cp[end, 1] - cp[end - 1, 1])
+    right = abs(cp[start + 1, 0]) + abs(cp[start + 1, 1])
+    if left >= right:
+        pieces_f[after, P_FRAME] = tx
+        pieces_f[after, P_FRAME + 1] = ty
+    else:
+        pieces_f[before, P_FRAME + 3] = ux
+        pieces_f[before, P_FRAME + 4] = uy
+
+
+@inner
+def _about_nearest(cp, cp_low, c0, deg, begin, target):
+    """A Bezier relative to the control point that says most about its point at `begin`, in rows target.. of `cp`."""
+    near = nearest_row(cp, c0, deg, 1, begin)
+    for i in range(deg + 1):
+        for axis in range(2):
+            cp[target + i, axis] = (cp[c0 + i, axis] - cp[near, axis]) + (cp_low[c0 + i, axis] - cp_low[near, axis])
+        cp[target + i, 2] = cp[c0 + i, 2]
+
+
+@inner
+def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table,
+                work, bounds, roots):
+    """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span, goes on; `bez_f`: ua, ub, skew, start) into pieces, in order.
 
     New control points go behind row `cp_used` of `cp`, relative to the start of their piece; a piece ends where the next starts.
     Beziers with very uneven weights are halved first, and balanced, until they are not.
@@ -245,9 +292,12 @@ def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
         for b in range(bez_loop_start[loop], bez_loop_start[loop + 1]):
             deg = bez_i[b, 0]
             c0 = bez_i[b, 1]
-            ua = bez_u[b, 0]
-            ub = bez_u[b, 1]
-            skew = bez_u[b, 2]
+            ua = bez_f[b, 0]
+            ub = bez_f[b, 1]
+            skew = bez_f[b, 2]
+            first = count
+            uneven = deg > 1 and _is_uneven(cp, c0, deg)
+            bent = uneven and _simple_kind(cp, c0, deg, 1, rounding, table)[0] == SPIRAL
             begin = 0.0
             u_begin = ua
             step = 1.0
@@ -256,10 +306,11 @@ def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
                 part = c0
                 u_end = ub
                 part_skew = skew
-                if _is_uneven(cp, c0, deg):
-                    if cp_used + deg + 1 > cp.shape[0]:
+                if uneven:
+                    if cp_used + 2 * (deg + 1) > cp.shape[0]:
                         return -1, cp_used
-                    restrict(cp, c0, deg, begin, end, cp, cp_used)
+                    _about_nearest(cp, cp_low, c0, deg, begin, cp_used + deg + 1)
+                    place_part(cp, cp_used + deg + 1, deg, 1, begin, end, table, cp_used)
                     before = skew * begin + (1.0 - begin)
                     after = skew * end + (1.0 - end)
                     if end < 1.0:
@@ -270,12 +321,15 @@ def cut_beziers(bez_i, bez_u, bez_loop_start, cp, cp_used, pieces_i, pieces_f, p
                         continue
                     part = cp_used
                     cp_used += deg + 1
-                count, cp_used = _cut_bezier(cp, part, deg, bez_i[b, 2], bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew,
+                count, cp_used = _cut_bezier(cp, part, deg, bez_i[b, 2], bent, bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew,
                                              cp_used, count, pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
                 if count < 0:
                     return -1, cp_used
                 begin = end
                 u_begin = u_end
                 step *= 2.0
+            if bez_i[b, 5] and b > bez_loop_start[loop]:
+                _go_on(cp, pieces_i, pieces_f, first - 1, first)
+            _chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, _longest(cp, deg, pieces_i, first, count), count)
         piece_loop_start[loop + 1] = count
     return count, cp_used

@@ -18,7 +18,7 @@ from mat_core.boundary.edges import cut_edges
 from mat_core.boundary.filling import fill_sites
 from mat_core.boundary.pieces import PF_WIDTH, PI_WIDTH
 from mat_core.kernels.bernstein import MAX_DEPTH
-from mat_core.kernels.bezier import count_beziers
+from mat_core.kernels.bezier import CLOSE, count_beziers
 from mat_core.kernels.layout import SF_WIDTH, SI_WIDTH
 from mat_core.model.domain import Domain
 from mat_core.tolerances import Tolerances
@@ -71,11 +71,12 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     loops = len(a.loop_start)
     beziers, points, most_of_edge, longest, highest = count_beziers(a.degree, a.cp_start)
     width = scratch_width(highest)
-    moved, span_cp, breaks = np.empty_like(a.cp), np.empty((most_of_edge, 3)), np.empty(longest + 2)
-    bez_i, bez_u, bez_loop_start = np.empty((beziers, 5), dtype=np.int64), np.empty((beziers, 3)), np.empty(loops, dtype=np.int64)
+    moved, span_cp, breaks = np.empty((len(a.cp), CLOSE)), np.empty((most_of_edge, CLOSE)), np.empty(longest + 2)
+    bez_i, bez_f, bez_loop_start = np.empty((beziers, 6), dtype=np.int64), np.empty((beziers, 7)), np.empty(loops, dtype=np.int64)
     table, work = np.empty((SCRATCH_ROWS, width)), np.empty((MAX_DEPTH + 2, width))
     bounds, roots = np.empty((MAX_DEPTH + 2, 2)), np.empty(width)
     piece_loop_start = np.empty(loops, dtype=np.int64)
+    cp_low = np.empty((points, 2))
     room, n_pieces = 1, -1
     while n_pieces < 0:
         room *= 4
@@ -83,8 +84,8 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
         pieces_i, pieces_f = np.empty((beziers * room + 16, PI_WIDTH), dtype=np.int64), np.empty((beziers * room + 16, PF_WIDTH))
         n_pieces, rows = cut_edges(
             a.degree, a.cp_start, a.cp, a.knot_start, a.knots, a.loop_start, a.reversed, origin[0], origin[1], scale, rounding,
-            moved, span_cp, breaks, bez_i, bez_u, bez_loop_start, cp, pieces_i, pieces_f, piece_loop_start, table, work, bounds,
-            roots)
+            moved, span_cp, breaks, bez_i, bez_f, bez_loop_start, cp, cp_low, pieces_i, pieces_f, piece_loop_start, table, work,
+            bounds, roots)
     si, sf = np.empty((2 * n_pieces, SI_WIDTH), dtype=np.int64), np.empty((2 * n_pieces, SF_WIDTH))
     turns, loop_start = np.empty(n_pieces), np.empty(loops, dtype=np.int64)
     bent_back = min(smooth_angle, max(BENT_BACK, KINK * rounding))

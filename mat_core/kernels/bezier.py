@@ -25,6 +25,8 @@ from mat_core.kernels.jit import inner, jit
 
 BALANCED = 0.25  # ratio of the last weight of a Bezier to the first down to which (and up to 1 / it) it is left alone
 
+CLOSE = 5  # columns of rows with what is left of their coordinates
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -49,6 +51,34 @@ def blend(rows: Floats, i: int, j: int, k: int, a: float) -> None:
         rows[k, 0] = xj + b * (xi - xj)
         rows[k, 1] = yj + b * (yi - yj)
     rows[k, 2] = w
+
+
+@inner
+def _step(n: float, n_low: float, o: float, o_low: float, b: float) -> tuple[float, float]:
+    """n + b (o - n) of numbers in two parts, the first one rounded: to the digits of b (o - n), not of n."""
+    by = b * ((o - n) + (o_low - n_low))
+    high = n + by
+    back = high - n
+    low = n_low + ((n - (high - back)) + (by - back))
+    return high + low, low - ((high + low) - high)
+
+
+@inner
+def blend_closely(rows: Floats, i: int, j: int, k: int, a: float) -> None:
+    """`blend` with what is left of x and y beyond their digits in columns 3 and 4."""
+    w0 = (1.0 - a) * rows[i, 2]
+    w1 = a * rows[j, 2]
+    w = w0 + w1
+    n = i if w1 <= w0 else j
+    o = j if w1 <= w0 else i
+    b = min(w0, w1) / w
+    x, x_low = _step(rows[n, 0], rows[n, 3], rows[o, 0], rows[o, 3], b)
+    y, y_low = _step(rows[n, 1], rows[n, 4], rows[o, 1], rows[o, 4], b)
+    rows[k, 0] = x
+    rows[k, 1] = y
+    rows[k, 2] = w
+    rows[k, 3] = x_low
+    rows[k, 4] = y_low
 
 
 @jit
@@ -81,7 +111,8 @@ def decompose(
 ) -> int:
     """Cut one clamped rational B-spline into its Bezier pieces; returns their number S.
 
-    Reads knots[knot0 : knot0 + nknots] and cp[cp0 : cp0 + ncp] (x, y, w). Piece i is written to rows i (degree + 1)
+    Reads knots[knot0 : knot0 + nknots] and cp[cp0 : cp0 + ncp] (x, y, w; or x, y, w and what is left of x and y beyond their
+    digits, then `out` has five columns, too, and the ways between its points have all theirs). Piece i is written to rows i (degree + 1)
     ... of `out`, its parameter range to ubreaks[i], ubreaks[i + 1]. S <= ncp - degree bounds both buffers.
 
     For the span [a, b] = [t_k, t_k+1] the p + 1 rows d_k-p .. d_k are the blossom f(t_i+1, .., t_i+p). Two triangles
@@ -90,6 +121,7 @@ def decompose(
     """
     p = degree
     spans = 0
+    closely = out.shape[1] == CLOSE
     ubreaks[0] = knots[knot0]
     for k in range(p, ncp):
         a = knots[knot0 + k]
@@ -98,22 +130,28 @@ def decompose(
             continue
         base = spans * (p + 1)
         for i in range(p + 1):
-            out[base + i, 0] = cp[cp0 + k - p + i, 0]
-            out[base + i, 1] = cp[cp0 + k - p + i, 1]
-            out[base + i, 2] = cp[cp0 + k - p + i, 2]
+            for column in range(out.shape[1]):
+                out[base + i, column] = cp[cp0 + k - p + i, column]
         for r in range(1, p + 1):
             for q in range(p - r + 1):
                 lo = knots[knot0 + k - p + q + r]
                 hi = knots[knot0 + k + q + 1]
-                blend(out, base + q, base + q + 1, base + q, (a - lo) / (hi - lo))
+                if closely:
+                    blend_closely(out, base + q, base + q + 1, base + q, (a - lo) / (hi - lo))
+                else:
+                    blend(out, base + q, base + q + 1, base + q, (a - lo) / (hi - lo))
         for r in range(1, p + 1):
             for i in range(p, r - 1, -1):
                 hi = knots[knot0 + k + i - r + 1]
-                blend(out, base + i - 1, base + i, base + i, (b - a) / (hi - a))
+                if closely:
+                    blend_closely(out, base + i - 1, base + i, base + i, (b - a) / (hi - a))
+                else:
+                    blend(out, base + i - 1, base + i, base + i, (b - a) / (hi - a))
         # Neighbours share their joint exactly unless a knot of multiplicity p + 1 lets them part.
         if spans > 0 and knots[knot0 + k - p] < a:
-            out[base, 0] = out[base - 1, 0]
-            out[base, 1] = out[base - 1, 1]
+            for column in range(out.shape[1]):
+                if column != 2:
+                    out[base, column] = out[base - 1, column]
         spans += 1
         ubreaks[spans] = b
     return spans
