@@ -1,7 +1,7 @@
 """Every document that a test of this folder hands to `Domain` is judged twice.
 
-What `mat_core.model.survey` measures proves most rules kept; where it proves nothing, every edge is looked at by itself. Both ways
-must come to the same domain, or to the same problems in the same words.
+What `mat_core.model.survey` measures proves most rules kept; where it proves nothing, every edge is looked at by itself. Both
+ways must come to the same domain, or to the same problems in the same words.
 """
 
 from __future__ import annotations
