@@ -212,9 +212,8 @@ def flat_loops(outline: Outline, use: NDArray[np.int64], meetings: list[Meeting]
     """Loops in use without mean width; one that truly crosses itself may have no net area and yet enclose some."""
     area, length = np.abs(outline.measures[:, AREA]), outline.measures[:, LENGTH]
     # What vanished altogether has no length either.
-    thin = np.flatnonzero((area <= FLATTEST * outline.frame.gap * length) & (use != 0)).tolist()
-    crossing = {m.loops[0] for m in meetings if m.loops[0] == m.loops[1] and m.crosses} if thin else set()
-    return set(thin) - crossing
+    thin = {loop for loop in np.flatnonzero(area <= FLATTEST * outline.frame.gap * length).tolist() if use[loop]}
+    return thin - {m.loops[0] for m in meetings if m.loops[0] == m.loops[1] and m.crosses}
 
 
 def area_problems(flat: set[int]) -> Iterator[Problem]:
