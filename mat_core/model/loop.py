@@ -106,7 +106,7 @@ class Outline(NamedTuple):
         while True:
             tree, tasks = np.empty((tree_rows(len(piece)), TREE_WIDTH)), np.empty((capacity, 8))
             last = capacity >= limit and not self._can_halve(piece)
-            found, planned = compare(
+            found, planned, _ = compare(
                 self.pi, self.pf, self.cp, self.piece_start, gap, self.frame.noise, CUSP_BRANCHES * gap ** (2.0 / 3.0),
                 piece, part, tree, pairs, SUBDIVISIONS, last, self.work, self.stack, tasks, hits,
             )  # fmt: skip
