@@ -37,19 +37,20 @@ def compare(
     stack: Floats,
     tasks: Floats,
     hits: Floats,
-) -> tuple[int, int]:
-    """Hits of all pieces with each other, looked at in the parts `piece`, `part`; returns their number and that of the tasks.
+) -> tuple[int, int, int]:
+    """Hits of all pieces with each other, looked at in the parts `piece`, `part`.
 
-    Where that is more than `tasks` has room for, nothing is looked at closely, unless to `give_up` is all that is left.
+    Returns the numbers of hits, of tasks and of pairs of nodes that were looked at. Where there are more tasks than `tasks` has
+    room for, none is looked at closely, unless to `give_up` is all that is left.
     """
     fill_tree(pi, pcp, piece, part, work, tree)
     found, planned = compare_joints(pi, pf, pcp, piece_start, gap, noise, work, tasks, hits)
-    planned = compare_pairs(pi, pf, pcp, piece_start, gap, piece, part, tree, pairs, work, tasks, planned)
+    planned, looked = compare_pairs(pi, pf, pcp, piece_start, gap, piece, part, tree, pairs, work, tasks, planned)
     room = tasks.shape[0]
     if planned <= room or give_up:
         some = min(planned, room)
         found = compare_closely(pi, pcp, tasks, some, gap, cusp_path, work, stack, budget, hits, found)
-    return found, planned
+    return found, planned, looked
 
 
 @inner

@@ -23,7 +23,7 @@ import math
 
 from mat_core.kernels.bezier import Floats, Ints, restrict
 from mat_core.kernels.intersect import separated
-from mat_core.kernels.jit import inner, jit
+from mat_core.kernels.jit import inner
 from mat_core.kernels.joints import plan
 from mat_core.kernels.outline import BLOCK, CP0, CUM, DEG, LEN, LOOP
 
@@ -147,7 +147,7 @@ def fill_tree(pi: Ints, pcp: Floats, piece: Ints, part: Floats, work: Floats, tr
         enclose_children(tree, v)
 
 
-@jit
+@inner
 def boxes_near(tree: Floats, v: int, w: int, gap: float) -> bool:
     """Whether neither the upright nor the turned boxes of two nodes prove them over `gap` apart; False for empty ones."""
     for axis in range(2):
@@ -184,17 +184,19 @@ def compare_pairs(
     work: Floats,
     tasks: Floats,
     planned: int,
-) -> int:
-    """Tasks for all parts of pieces not adjacent whose control polygons are not separated; returns the number of tasks.
+) -> tuple[int, int]:
+    """Tasks for all parts of pieces not adjacent whose control polygons are not separated.
 
-    Walks the tree against itself. Ends early when `tasks` is full: a number beyond its rows says that a larger one is
-    needed.
+    Returns the numbers of tasks and of pairs of nodes that were looked at. Walks the tree against itself. Ends early when `tasks`
+    is full: a number beyond its rows says that a larger one is needed.
     """
     leaves = tree.shape[0] // 2
+    looked = 0
     top = 0
     pairs[0, 0] = 1
     pairs[0, 1] = 1
     while top >= 0 and planned <= tasks.shape[0]:
+        looked += 1
         v = pairs[top, 0]
         w = pairs[top, 1]
         top -= 1
@@ -233,4 +235,4 @@ def compare_pairs(
             planned = plan(
                 tasks, planned, i, part[a, 0], part[a, 1], j, part[b, 0], part[b, 1], ahead, behind
             )
-    return planned
+    return planned, looked

@@ -1,7 +1,7 @@
 """From the numbers of a document to flat arrays, and what the rules of a valid domain ask of all its edges at once.
 
 The arrays are those of `mat_core.model.loop.BoundaryArrays`. Nothing is judged here: what is measured proves most rules kept in
-a few comparisons (`mat_core.model.survey`); the others are looked at edge by edge.
+a few comparisons (`mat_core.model.survey`).
 """
 
 from __future__ import annotations
@@ -18,6 +18,27 @@ REACH, XMIN, YMIN, XMAX, YMAX, LEAST_EXTENT, LIGHTEST, HEAVIEST, WIDEST_GAP, SOU
 
 
 @jit
+def read_edges(
+    table: Ints,
+    numbers: Floats,
+    half_range: float,
+    degree: Ints,
+    cp_start: Ints,
+    cp: Floats,
+    knot_start: Ints,
+    knots: Floats,
+    loop_start: Ints,
+    edge_of: Ints,
+    extent: Floats,
+    gap: Floats,
+    facts: Floats,
+) -> None:
+    """Fill the arrays of E edges in L loops, and what there is to know of them (`lay_out`, `survey`)."""
+    lay_out(table, numbers, degree, cp_start, cp, knot_start, knots, loop_start, edge_of)
+    survey(degree, cp_start, cp, knot_start, knots, loop_start, half_range, extent, gap, facts)
+
+
+@inner
 def lay_out(
     table: Ints,
     numbers: Floats,
@@ -29,7 +50,7 @@ def lay_out(
     loop_start: Ints,
     edge_of: Ints,
 ) -> None:
-    """Fill the arrays of E edges in L loops.
+    """Fill the arrays, and `edge_of` (E,) with each edge's place in its loop.
 
     `table`: degrees (E,), numbers of control points (E,), of knots given (E,) and weights given (E,), edges of each loop (L,).
     `numbers`: x, y of all points, then all knots given, then all weights given. An edge without knots is a Bezier, without
@@ -92,7 +113,13 @@ def larger(a: float, b: float) -> float:
     return a if a > b or a != a else b
 
 
-@jit
+@inner
+def apart(cp: Floats, i: int, j: int) -> float:
+    """Distance of two control points along x or y."""
+    return larger(abs(cp[i, 0] - cp[j, 0]), abs(cp[i, 1] - cp[j, 1]))
+
+
+@inner
 def survey(
     degree: Ints,
     cp_start: Ints,
@@ -108,44 +135,38 @@ def survey(
     """Fill `facts` (FACTS,) and for each edge (E,): how far its control points get from the first one, by how much its end misses
     the start of the next edge of the loop, each along x or y; no number where points are none.
     """
-    x0 = y0 = lightest = least = math.inf
-    x1 = y1 = heaviest = -math.inf
+    lightest = least = math.inf
+    heaviest = -math.inf
     reach = widest = 0.0
+    for axis in range(2):
+        low = math.inf
+        high = -math.inf
+        for i in range(cp.shape[0]):
+            low = min(low, cp[i, axis])
+            high = max(high, cp[i, axis])
+            if not abs(cp[i, axis]) <= reach:
+                reach = abs(cp[i, axis]) if cp[i, axis] == cp[i, axis] else math.inf
+        facts[XMIN + axis] = low
+        facts[XMAX + axis] = high
     for i in range(cp.shape[0]):
-        x = cp[i, 0]
-        y = cp[i, 1]
-        w = cp[i, 2]
-        far = larger(abs(x), abs(y))
-        if not far <= reach:
-            reach = far if far == far else math.inf
-        if not w >= lightest:
-            lightest = w if w < lightest else -1.0
-        heaviest = max(heaviest, w)
-        x0 = min(x0, x)
-        y0 = min(y0, y)
-        x1 = max(x1, x)
-        y1 = max(y1, y)
+        if not cp[i, 2] >= lightest:
+            lightest = cp[i, 2] if cp[i, 2] < lightest else -1.0
+        heaviest = max(heaviest, cp[i, 2])
     sound = 1.0
     for loop in range(loop_start.shape[0] - 1):
         for e in range(loop_start[loop], loop_start[loop + 1]):
             following = e + 1 if e + 1 < loop_start[loop + 1] else loop_start[loop]
             end = cp_start[e + 1] - 1
-            begin = cp_start[following]
-            gap[e] = larger(abs(cp[end, 0] - cp[begin, 0]), abs(cp[end, 1] - cp[begin, 1]))
+            gap[e] = apart(cp, end, cp_start[following])
             if not gap[e] <= widest:
                 widest = gap[e] if gap[e] == gap[e] else math.inf
-            first = cp_start[e]
             extent[e] = 0.0
-            for i in range(first + 1, end + 1):
-                extent[e] = larger(extent[e], larger(abs(cp[i, 0] - cp[first, 0]), abs(cp[i, 1] - cp[first, 1])))
+            for i in range(cp_start[e] + 1, end + 1):
+                extent[e] = larger(extent[e], apart(cp, i, cp_start[e]))
             least = min(least, extent[e])
             if not knots_are_sound(knots, knot_start[e], knot_start[e + 1] - 1, degree[e], half_range):
                 sound = 0.0
     facts[REACH] = reach
-    facts[XMIN] = x0
-    facts[YMIN] = y0
-    facts[XMAX] = x1
-    facts[YMAX] = y1
     facts[LEAST_EXTENT] = least
     facts[LIGHTEST] = lightest
     facts[HEAVIEST] = heaviest

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from mat_core.model.loop import BoundaryArrays
 from mat_core.model.reading import Draft
-from mat_core.model.survey import Survey
 from mat_core.model.values import edge_pointer, loop_name, loop_pointer
 
 NOTE_LIMIT = 100  # of each kind; the last one tells how many more there are
@@ -38,16 +37,14 @@ class Note:
     text: str
 
 
-def shrink_specks(
-    draft: Draft, seen: Survey, use: NDArray[np.int64], speck: float, join: float
-) -> tuple[BoundaryArrays, list[Note]]:
+def shrink_specks(draft: Draft, use: NDArray[np.int64], speck: float, join: float) -> tuple[BoundaryArrays, list[Note]]:
     """The arrays with every edge of at most the extent `speck` shrunk onto the start of the next larger one.
 
     Only in loops in use. A row of specks that leads farther than `join` is a shape and stays, and so does a loop of
     nothing else.
     """
-    arrays, extent = draft.arrays, seen.extent
-    if seen.sound and seen.least_extent > speck:
+    arrays, extent = draft.arrays, draft.seen.extent
+    if draft.seen.sound and draft.seen.least_extent > speck:
         return arrays, []
     loop_of = np.repeat(np.arange(len(use)), np.diff(arrays.loop_start))
     small = (extent <= speck) & use.astype(np.bool_)[loop_of]
@@ -79,11 +76,11 @@ def shrink_specks(
     return arrays._replace(cp=cp), notes
 
 
-def joined_ends(draft: Draft, seen: Survey) -> list[Note]:
+def joined_ends(draft: Draft) -> list[Note]:
     """A note for each loop whose edges do not all begin at the very point where the one before ended."""
-    if seen.widest_gap == 0.0:
+    if draft.seen.widest_gap == 0.0:
         return []
-    starts, gaps = draft.arrays.loop_start, seen.gaps
+    starts, gaps = draft.arrays.loop_start, draft.seen.gaps
     open_loops = np.unique(np.searchsorted(starts, np.flatnonzero(gaps > 0.0), side="right") - 1).tolist()
     notes = []
     for loop in open_loops[:NOTE_LIMIT]:

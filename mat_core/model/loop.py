@@ -26,6 +26,7 @@ MOST_PARTS = 64  # of a piece
 TASKS_A_PIECE = 32  # when no cutting helps; sound domains have about one a piece
 TASK_LIMIT = 2_000_000  # of them in all
 WHOLE = (0.0, 1.0)  # parameter range of a piece
+HIGHEST_EXPONENT = 1023  # of a scale that is a float; what would need a larger one is refused for its size
 SUBDIVISIONS = (
     5_000_000  # of one whole check, some seconds; a tight but clean domain of 10,000 edges needs a few thousand
 )
@@ -106,7 +107,7 @@ class Outline(NamedTuple):
         while True:
             tree, tasks = np.empty((tree_rows(len(piece)), TREE_WIDTH)), np.empty((capacity, 8))
             last = capacity >= limit and not self._can_halve(piece)
-            found, planned = compare(
+            found, planned, _ = compare(
                 self.pi, self.pf, self.cp, self.piece_start, gap, self.frame.noise, CUSP_BRANCHES * gap ** (2.0 / 3.0),
                 piece, part, tree, pairs, SUBDIVISIONS, last, self.work, self.stack, tasks, hits,
             )  # fmt: skip
@@ -181,7 +182,7 @@ def frame_of(box: tuple[float, float, float, float], largest: float, moved: floa
     xmin, ymin, xmax, ymax = box
     size = max(xmax - xmin, ymax - ymin)
     origin = xmin + 0.5 * (xmax - xmin), ymin + 0.5 * (ymax - ymin)
-    scale = math.ldexp(1.0, -math.frexp(size)[1]) if size > 0.0 else 1.0
+    scale = math.ldexp(1.0, min(-math.frexp(size)[1], HIGHEST_EXPONENT)) if size > 0.0 else 1.0
     gap = max(TOUCH * size, TOUCH_ULPS * math.ulp(largest)) * scale
     noise = max(math.ulp(largest), moved) * scale
     return Frame(origin, scale, size, gap, noise)

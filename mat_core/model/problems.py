@@ -28,7 +28,7 @@ from mat_core.model.meetings import Meeting, find_meetings, meeting_problems
 from mat_core.model.nesting import nesting_problems
 from mat_core.model.reading import Draft, read
 from mat_core.model.splines import spline_problems
-from mat_core.model.survey import Survey, survey
+from mat_core.model.survey import Survey
 from mat_core.model.values import edge_pointer, loop_name, loop_pointer
 
 CODES = {
@@ -89,19 +89,17 @@ def check(obj: object, limit: int) -> Checked:
         With all problems.
     """
     draft = read(obj, limit)
-    arrays = draft.arrays
-    problems = draft.problems
+    arrays, seen, problems = draft.arrays, draft.seen, draft.problems
     if len(arrays.degree) == 0:
         raise InvalidDomain(problems)
-    seen = survey(arrays)
     sound = np.ones(len(arrays.degree), dtype=np.bool_)
     rounding = JOIN_ULPS * math.ulp(seen.largest)
     join = max(JOIN * seen.size, rounding)
-    problems.extend(spline_problems(draft, seen, max(SHAPELESS * seen.size, rounding), join, sound))
+    problems.extend(spline_problems(draft, max(SHAPELESS * seen.size, rounding), join, sound))
     use = draft.whole.copy()
-    problems.extend(join_problems(draft, sound, seen, join, use))
+    problems.extend(join_problems(draft, sound, join, use))
     if use.any():
-        arrays, notes = shrink_specks(draft, seen, use, max(TOUCH * seen.size, rounding), join)
+        arrays, notes = shrink_specks(draft, use, max(TOUCH * seen.size, rounding), join)
         frame = _frame(arrays, seen, use, healed=arrays is not draft.arrays)
         too_fine = range_problem(frame, seen.largest)
         if too_fine is not None:
@@ -122,7 +120,7 @@ def check(obj: object, limit: int) -> Checked:
         raise InvalidDomain(_sorted(problems))
     runs_left = outline.measures[:, 0] > 0.0
     runs_left[1:] = ~runs_left[1:]
-    notes.extend(joined_ends(draft, seen))
+    notes.extend(joined_ends(draft))
     return Checked(arrays._replace(reversed=~runs_left), draft.arrays, outline, draft.options, tuple(notes))
 
 
@@ -173,10 +171,10 @@ def following_edges(arrays: BoundaryArrays) -> NDArray[np.int64]:
 
 
 def join_problems(
-    draft: Draft, sound: NDArray[np.bool_], seen: Survey, join: float, use: NDArray[np.int64]
+    draft: Draft, sound: NDArray[np.bool_], join: float, use: NDArray[np.int64]
 ) -> Iterator[Problem]:
     """Each edge begins where the last one ended; clears `use` (L,) for open loops and those with an unsound edge."""
-    arrays = draft.arrays
+    arrays, seen = draft.arrays, draft.seen
     starts = arrays.loop_start
     all_sound = bool(sound.all())
     if all_sound and seen.widest_gap <= join:
@@ -212,9 +210,8 @@ def flat_loops(outline: Outline, use: NDArray[np.int64], meetings: list[Meeting]
     """Loops in use without mean width; one that truly crosses itself may have no net area and yet enclose some."""
     area, length = np.abs(outline.measures[:, AREA]), outline.measures[:, LENGTH]
     # What vanished altogether has no length either.
-    thin = np.flatnonzero((area <= FLATTEST * outline.frame.gap * length) & (use != 0)).tolist()
-    crossing = {m.loops[0] for m in meetings if m.loops[0] == m.loops[1] and m.crosses} if thin else set()
-    return set(thin) - crossing
+    thin = {loop for loop in np.flatnonzero(area <= FLATTEST * outline.frame.gap * length).tolist() if use[loop]}
+    return thin - {m.loops[0] for m in meetings if m.loops[0] == m.loops[1] and m.crosses}
 
 
 def area_problems(flat: set[int]) -> Iterator[Problem]:

@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.errors import Problem
-from mat_core.kernels.survey import lay_out
+from mat_core.kernels.survey import FACTS, read_edges
 from mat_core.model.edges import EDGE_KEYS, HIGHEST_DEGREE, Edge, read_edge
 from mat_core.model.loop import BoundaryArrays
 from mat_core.model.options import read_options
+from mat_core.model.survey import HALF_RANGE, Survey, surveyed
 from mat_core.model.values import describe, pointer_to, short
 
 CONTROL_POINT_LIMIT = 2_000_000
@@ -31,13 +32,14 @@ PAIRS = frozenset({list, tuple})
 
 @dataclass(slots=True)
 class Draft:
-    """What could be read, with the faults of form found on the way.
+    """What could be read, what was measured of it, and the faults of form found on the way.
 
     `edge_of` (E,) is each edge's index in its loop of the document; a loop is `whole` when none of its edges was left
     out.
     """
 
     arrays: BoundaryArrays
+    seen: Survey
     edge_of: NDArray[np.int64]
     whole: NDArray[np.int64]
     options: dict[str, Any] = field(default_factory=dict)
@@ -91,7 +93,8 @@ def read(obj: object, limit: int = CONTROL_POINT_LIMIT) -> Draft:
         whole.append(int(len(sound) == len(loop) and len(loop) > 0))
     gathered = _gather(kept, empty_loops=True)
     assert gathered is not None
-    return Draft(gathered[0], np.array(edge_ids, dtype=np.int64), np.array(whole, dtype=np.int64), options, problems)
+    arrays, seen, _ = gathered
+    return Draft(arrays, seen, np.array(edge_ids, dtype=np.int64), np.array(whole, dtype=np.int64), options, problems)
 
 
 def _count_points(edge: object) -> int:
@@ -141,8 +144,11 @@ def _read_loops(obj: object, problems: list[Problem]) -> list[list[Any]]:
     return loops
 
 
-def _gather(loops: list[list[Any]], empty_loops: bool = False) -> tuple[BoundaryArrays, NDArray[np.int64]] | None:
-    """The flat arrays of well-formed loops and each edge's place in its loop, or None when anything at all is out of place."""
+Gathered = tuple[BoundaryArrays, Survey, NDArray[np.int64]]  # with each edge's place in its loop
+
+
+def _gather(loops: list[list[Any]], empty_loops: bool = False) -> Gathered | None:
+    """The flat arrays of well-formed loops, or None when anything at all is out of place."""
     edges = list(chain.from_iterable(loops))
     if not (empty_loops or all(loops)) or not set(map(type, edges)) <= {dict} or not set(chain.from_iterable(edges)) <= EDGE_KEYS:
         return None
@@ -181,8 +187,8 @@ def _gather(loops: list[list[Any]], empty_loops: bool = False) -> tuple[Boundary
 
 def _laid_out(
     table: NDArray[np.int64], values: NDArray[np.float64], edges: int, points: int, degrees: int, loops: int
-) -> tuple[BoundaryArrays, NDArray[np.int64]]:
-    """The arrays, and each edge's place in its loop, of what `mat_core.kernels.survey.lay_out` takes; `degrees`: their sum."""
+) -> Gathered:
+    """The arrays of what `mat_core.kernels.survey` takes; `degrees`: their sum."""
     arrays = BoundaryArrays(
         np.empty(edges, dtype=np.int64),
         np.empty(edges + 1, dtype=np.int64),
@@ -193,5 +199,6 @@ def _laid_out(
         np.zeros(loops, dtype=np.bool_),
     )
     edge_of = np.empty(edges, dtype=np.int64)
-    lay_out(table, values, *arrays[:-1], edge_of)
-    return arrays, edge_of
+    extent, gaps, facts = np.empty(edges), np.empty(edges), np.empty(FACTS)
+    read_edges(table, values, HALF_RANGE, *arrays[:-1], edge_of, extent, gaps, facts)
+    return arrays, surveyed(facts, extent, gaps, arrays.cp), edge_of

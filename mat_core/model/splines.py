@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from mat_core.errors import Problem
 from mat_core.model.loop import BoundaryArrays
 from mat_core.model.reading import Draft
-from mat_core.model.survey import HALF_RANGE, LARGEST, WIDEST, Survey
+from mat_core.model.survey import HALF_RANGE, LARGEST, WIDEST
 from mat_core.model.values import edge_pointer, loop_name
 
 Places = NDArray[np.intp]
@@ -33,14 +33,14 @@ class Breach(NamedTuple):
     text: str
 
 
-def spline_problems(draft: Draft, seen: Survey, rounding: float, join: float, sound: Flags) -> Iterator[Problem]:
+def spline_problems(draft: Draft, rounding: float, join: float, sound: Flags) -> Iterator[Problem]:
     """Rules of single edges; clears `sound` (E,) where one is broken.
 
     `rounding`: extent below which an edge has no shape; `join`: distance below which two points of a curve are one.
     """
+    arrays, seen = draft.arrays, draft.seen
     if seen.sound and seen.least_extent > rounding:
         return
-    arrays = draft.arrays
     with np.errstate(invalid="ignore", over="ignore"):
         breaches = [*point_breaches(arrays, seen.extent, rounding), *weight_breaches(arrays), *knot_breaches(arrays, join)]
     for edges, places, code, member, text in breaches:

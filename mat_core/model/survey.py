@@ -12,9 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mat_core.kernels import survey as kernel
-from mat_core.model.loop import BoundaryArrays
-
 LARGEST = 1e150  # coordinates: areas, their squares, still are floats
 WIDEST = 1e16  # largest weight over smallest: beyond, whole stretches of a curve fall between two floats
 HALF_RANGE = 8e307  # half of a parameter range that still is a float
@@ -33,18 +30,14 @@ class Survey(NamedTuple):
     widest_gap: float
 
 
-def survey(arrays: BoundaryArrays) -> Survey:
-    """Measure all edges."""
-    edges = len(arrays.degree)
-    extent, gaps, facts = np.empty(edges), np.empty(edges), np.empty(kernel.FACTS)
-    kernel.survey(*arrays[:-1], HALF_RANGE, extent, gaps, facts)
+def surveyed(
+    facts: NDArray[np.float64], extent: NDArray[np.float64], gaps: NDArray[np.float64], cp: NDArray[np.float64]
+) -> Survey:
+    """What `mat_core.kernels.survey` measured, the rules on sizes applied."""
     reach, x0, y0, x1, y1, least_extent, lightest, heaviest, widest_gap, sound_knots = facts.tolist()
     usable = reach <= LARGEST
     sound = usable and sound_knots == 1.0 and lightest > 0.0 and heaviest <= WIDEST * lightest < math.inf
-    if usable:
-        largest, size = reach, max(x1 - x0, y1 - y0)
-    else:
-        largest, size = _usable_extremes(arrays.cp)
+    largest, size = (reach, max(x1 - x0, y1 - y0)) if usable else _usable_extremes(cp)
     return Survey(extent, gaps, largest, size, (x0, y0, x1, y1), sound, least_extent, widest_gap)
 
 

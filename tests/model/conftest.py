@@ -1,7 +1,7 @@
 """Every document that a test of this folder hands to `Domain` is judged twice.
 
-What `mat_core.model.survey` measures proves most rules kept; where it proves nothing, every edge is looked at by itself. Both ways
-must come to the same domain, or to the same problems in the same words.
+What `mat_core.model.survey` measures proves most rules kept; where it proves nothing, every edge is looked at by itself. Both
+ways must come to the same domain, or to the same problems in the same words.
 """
 
 from __future__ import annotations
@@ -14,16 +14,17 @@ import pytest
 
 from mat_core.errors import InvalidDomain
 from mat_core.model import domain, problems
-from mat_core.model.loop import BoundaryArrays
 from mat_core.model.problems import Checked
-from mat_core.model.survey import Survey, survey
+from mat_core.model.reading import Draft, read
 
 Check = Callable[[object, int], Checked]
 
 
-def unproved(arrays: BoundaryArrays) -> Survey:
-    """The survey with all that it may prove taken back."""
-    return survey(arrays)._replace(sound=False, least_extent=0.0, widest_gap=math.inf)
+def read_unproved(obj: object, limit: int) -> Draft:
+    """What is read, with all that may be proved of it taken back."""
+    draft = read(obj, limit)
+    draft.seen = draft.seen._replace(sound=False, least_extent=0.0, widest_gap=math.inf)
+    return draft
 
 
 def outcome(check: Check, obj: object, limit: int) -> Checked | InvalidDomain:
@@ -55,7 +56,7 @@ def judged_twice(monkeypatch: pytest.MonkeyPatch) -> None:
     def both_ways(obj: object, limit: int) -> Checked:
         found = outcome(check, obj, limit)
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(problems, "survey", unproved)
+            patch.setattr(problems, "read", read_unproved)
             assert_alike(found, outcome(check, obj, limit))
         if isinstance(found, InvalidDomain):
             raise found

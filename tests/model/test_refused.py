@@ -165,6 +165,11 @@ def test_no_edges() -> None:
     assert (problem.code, problem.pointer) == ("empty-domain", "/holes/0")
 
 
+@pytest.mark.parametrize("size", [1e-151, 1e-300, 1e-308, 1e-310, 1e-322])
+def test_a_size_that_is_hardly_a_float(size: float) -> None:
+    assert codes(refuse(rectangle(0, 0, size, size))) <= {"out-of-range", "zero-length-edge"}
+
+
 def test_too_small_to_compute_with() -> None:
     (problem,) = refuse(rectangle(0, 0, 1e-200, 1e-200))
     assert problem.code == "out-of-range"
