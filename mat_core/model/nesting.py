@@ -7,7 +7,7 @@ thousand holes takes no million comparisons.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 
 import numpy as np
 import shapely
@@ -24,8 +24,8 @@ from mat_core.model.values import loop_pointer
 ROUNDING = 1e-13  # normalised: of the polygons' corners, with much to spare
 
 
-def loops_around(outline: Outline, loops: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Rows (a, b), for these loops (ascending): loop a lies around loop b. Holds for pairs that do not meet."""
+def loops_around(outline: Outline, loops: NDArray[np.int64], met: Set[tuple[int, int]]) -> NDArray[np.int64]:
+    """Rows (a, b), for these loops (ascending): loop a lies around loop b. Means nothing for pairs that met (smaller first)."""
     flattening = flatten(outline, loops)
     tree = shapely.STRtree(shapely.points(outline.first_points(loops)))
     # Both queries prepare the geometries they are asked with.
@@ -34,7 +34,10 @@ def loops_around(outline: Outline, loops: NDArray[np.int64]) -> NDArray[np.int64
     undecided = close[close[:, 0] != close[:, 1]]
     if len(undecided):
         apart = ~np.isin(inside @ (len(loops), 1), undecided @ (len(loops), 1))
-        exact = [is_inside(outline, int(loops[a]), *outline.first_points(loops[b]).tolist()) for a, b in undecided.tolist()]
+        exact = [
+            (min(a, b), max(a, b)) not in met and is_inside(outline, a, *outline.first_points(b).tolist())
+            for a, b in loops[undecided].tolist()
+        ]
         inside = np.concatenate((inside[apart], undecided[np.array(exact)]))
     return np.asarray(loops[inside], dtype=np.int64)
 
@@ -76,10 +79,10 @@ def nesting_problems(outline: Outline, meetings: list[Meeting], flat: set[int]) 
         loops = np.setdiff1d(loops, list(flat))
     if not loops.any():
         return
-    pairs = loops_around(outline, loops)
+    met = {m.loops for m in meetings}
+    pairs = loops_around(outline, loops, met)
     if loops[0] == 0 and len(pairs) == len(loops) - 1 and not pairs[:, 0].any():
         return  # The outer loop lies around each hole, and nothing else around any.
-    met = {m.loops for m in meetings}
     around: dict[int, list[int]] = {loop: [] for loop in loops.tolist()}
     for outside, loop in pairs.tolist():
         around[loop].append(outside)

@@ -109,8 +109,9 @@ def check(obj: object, limit: int) -> Checked:
         flat = flat_loops(outline, use, meetings)
         problems.extend(area_problems(flat))
         problems.extend(meeting_problems(outline, draft, meetings, flat))
-        problems.extend(nesting_problems(outline, meetings, flat))
-        if not complete:
+        if complete:
+            problems.extend(nesting_problems(outline, meetings, flat))
+        else:  # nothing is said of which loop is in which: that is told apart pair by pair, and too many pairs are as one
             if problems:
                 code, text = problems[-1].code, "the boundary meets itself in more places than are listed; mend these first"
             else:

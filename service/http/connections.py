@@ -11,9 +11,8 @@
 
     more than MAT_MAX_CONNECTIONS ──> the one that waited longest for a head ends; or, where none does, the new one, by a 503
 
-uvicorn closes a kept connection that is silent for five seconds, and waits without end for a client that sends a byte now and
-then, be it a head or what is left of a body that nobody wants any more, and for one that never reads its answer. It takes any
-number of connections, and tells of what is no HTTP in plain text.
+By itself uvicorn closes a connection only that is silent for five seconds. It waits without end for a client that sends a byte now
+and then, or never reads; takes any number of connections; and tells of what is no HTTP in plain text.
 """
 
 from __future__ import annotations
@@ -22,6 +21,7 @@ import asyncio
 import logging
 import sys
 import uuid
+from collections import deque
 from typing import Literal
 
 import h11
@@ -36,8 +36,11 @@ from service.settings import KIB, Settings
 Reason = Literal["silent", "head", "answer", "crowd", "not-http"]
 """Why a connection was ended: nothing came, or not all of a head; an answer was not taken; too many were open; it was no HTTP."""
 
-SLICE_BYTES = 16 * KIB
-"""Of what has come that is looked at in one turn of the loop; if it is chunks of one byte, that takes 25 ms."""
+SLICE_BYTES = 4 * KIB
+"""Of what has come on a connection that is looked at at a time; 6 ms if it is chunks of one byte."""
+
+TURN_SECONDS = 0.002
+"""How long what has come is looked at before the loop does something else; there may be thousands of requests or chunks."""
 
 _log = logging.getLogger("service.http")
 
@@ -58,6 +61,8 @@ class Connections:
         self.download_seconds = settings.download_seconds
         self._most = settings.max_connections
         self._waiting: dict[Connection, None] = {}  # for a head; who has waited longest is the first
+        self._unread: deque[Connection] = deque()  # those on which something has come
+        self._looks = False
         self.open = 0
         self.ended: dict[Reason, int] = {"silent": 0, "head": 0, "answer": 0, "crowd": 0, "not-http": 0}
 
@@ -75,6 +80,24 @@ class Connections:
     def leave(self) -> None:
         """Count one less."""
         self.open -= 1
+
+    def has_come(self, connection: Connection, loop: asyncio.AbstractEventLoop) -> None:
+        """Note that there is something to be looked at."""
+        self._unread.append(connection)
+        if not self._looks:
+            self._looks = True
+            loop.call_soon(self._look, loop)
+
+    def _look(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Look at what has come, a slice of each in turn, for a while."""
+        end = loop.time() + TURN_SECONDS
+        while self._unread and loop.time() < end:
+            connection = self._unread.popleft()
+            if connection.take_slice():
+                self._unread.append(connection)
+        self._looks = bool(self._unread)
+        if self._looks:
+            loop.call_soon(self._look, loop)
 
     def waits(self, connection: Connection) -> None:
         """Note that a connection waits for a head."""
@@ -119,27 +142,37 @@ class Connection(H11Protocol):
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Take what has come, a slice at each turn of the loop: thousands of requests or chunks may be in one piece."""
-        waits = bool(self._unread)
+        """Something has come; it is looked at when it is this connection's turn, and no more is read until all of it is."""
+        self._unset_keepalive_if_required()
+        if not self._unread:
+            self.family.has_come(self, self.loop)
         self._unread += data
-        if not waits:
-            self._take_slice()
-
-    def _take_slice(self) -> None:
-        part, self._unread = self._unread[:SLICE_BYTES], self._unread[SLICE_BYTES:]
-        if part and not self.transport.is_closing():
-            super().data_received(part)
-        if self._unread:
+        if len(self._unread) > SLICE_BYTES:
             self.transport.pause_reading()
-            self.loop.call_soon(self._take_slice)
-        elif not self.flow.read_paused:
+
+    def take_slice(self) -> bool:
+        """Look at some of what has come; whether there is more."""
+        plain = self.conn.their_state is h11.SEND_BODY and not any(name == b"transfer-encoding" for name, _ in self.headers)
+        size = len(self._unread) if plain else SLICE_BYTES  # of a body that is not in chunks, all at once takes no longer
+        part, self._unread = self._unread[:size], self._unread[size:]
+        self._take(part)
+        if not self._unread and not self.flow.read_paused:
             self.transport.resume_reading()
+        return bool(self._unread)
+
+    def _take(self, part: bytes) -> None:
+        if not part or self.transport.is_closing():
+            return
+        try:
+            super().data_received(part)
+        except Exception:  # of this connection, and of no other
+            _log.exception("a connection failed where it must not")
+            self.transport.abort()
 
     def eof_received(self) -> None:
         """The client sends no more; one whose request is not whole is told so, if it still listens."""
         rest, self._unread = self._unread, b""
-        if rest and not self.transport.is_closing():
-            super().data_received(rest)
+        self._take(rest)
         begun, _ = self.conn.trailing_data
         if self.conn.their_state is h11.SEND_BODY or (begun and self.conn.their_state is h11.IDLE):
             self._refuse(RequestError("not-http", "The connection ended before the request did."), "not-http")
@@ -187,7 +220,9 @@ class Connection(H11Protocol):
     def _head_too_late(self) -> None:
         """End the connection; a client that has sent a part of a head is told why."""
         begun, _ = self.conn.trailing_data
-        if begun and self.conn.our_state is h11.IDLE:
+        if self._unread:
+            self._wait_for_head()  # it may be here: it is not the client that is late
+        elif begun and self.conn.our_state is h11.IDLE:
             self._refuse(RequestError("upload-timeout", f"Its head was waited for {self.family.head_seconds:g} s."), "head")
         else:
             self.family.ended["silent"] += 1
@@ -214,8 +249,8 @@ class Connection(H11Protocol):
         headers += [("Cache-Control", "no-store"), ("Connection", "close"), ("X-Request-ID", request_id)]
         if (pause := ERRORS[error.code].retry_after_seconds) is not None:
             headers.append(("Retry-After", str(pause)))
-        answer = h11.Response(status_code=status, headers=headers, reason=STATUS_PHRASES[status])
-        for event in (answer, h11.Data(data=document), h11.EndOfMessage()):
+        head = h11.Response(status_code=status, headers=headers, reason=STATUS_PHRASES[status])
+        for event in (head, h11.Data(data=document), h11.EndOfMessage()):
             self.transport.write(self.conn.send(event))
 
     # what goes

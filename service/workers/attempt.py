@@ -43,7 +43,10 @@ class Request:
 async def answer_within(
     seconds: float | None, request: Request, worker: Worker, worked: Callable[[Worker], float]
 ) -> Message | None:
-    """The answer, unless the worker uses more processor time than this for it; None: as much as it takes."""
+    """The answer, unless the worker uses more processor time than this for it; None: as much as it takes.
+
+    What a new worker takes to get ready (10 ms, and several times that on a busy machine) is not the request's.
+    """
     begun = worked(worker)
     left = seconds
     while left is None or left > 0.0:
@@ -51,7 +54,8 @@ async def answer_within(
             async with asyncio.timeout(None if left is None else max(left, LEAST_WAIT)):
                 return await last_message(request, worker)
         if seconds is not None:
-            left = seconds - (worked(worker) - begun)
+            ready = worker.channel.rehearsed
+            left = seconds - (0.0 if ready is None else worked(worker) - max(begun, ready))
     return None
 
 

@@ -42,9 +42,16 @@ class ChannelClosed(Exception):
 
 
 class Channel(asyncio.Protocol):
-    """Messages from and to a worker."""
+    """Messages from and to a worker.
+
+    Attributes
+    ----------
+    rehearsed : float or None
+        Seconds of processor time that the worker took before it could read its first message; None until it says so.
+    """
 
     def __init__(self) -> None:
+        self.rehearsed: float | None = None
         self._transport: asyncio.Transport | None = None
         self._incoming = Incoming()
         self._messages: deque[Message] = deque()
@@ -111,7 +118,11 @@ class Channel(asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Called by the event loop: keep the whole messages, and the beginning of the next."""
-        self._messages.extend(self._incoming.feed(data))
+        for header, body in self._incoming.feed(data):
+            if self.rehearsed is None and header.keys() == {wire.REHEARSED}:
+                self.rehearsed = header[wire.REHEARSED]
+            else:
+                self._messages.append((header, body))
         if self._messages:
             _wake(self._arrival)
 

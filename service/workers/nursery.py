@@ -31,6 +31,7 @@ import signal
 import socket
 import struct
 import sys
+import time
 from types import ModuleType
 from typing import NoReturn
 
@@ -155,7 +156,9 @@ class Nursery:
             os.close(self._wake_write)
             limit_memory(self._memory_bytes)
             self._handler.rehearse()
-            work(self._handler, socket.socket(fileno=descriptor))
+            channel = socket.socket(fileno=descriptor)
+            wire.send(channel, {wire.REHEARSED: time.process_time()})
+            work(self._handler, channel)
         except (BrokenPipeError, ConnectionResetError):
             os._exit(0)
         except BaseException:  # the parent must never run on in a forked child, whatever happened

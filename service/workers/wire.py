@@ -4,8 +4,9 @@
 
     | header bytes, u32 | body bytes, u64 | header (JSON) | body (as it came or as it leaves) |
 
-A request is one message. Its answer may be several: any number of reports (``{"stage", "fraction"}``) and of result lines (an
-empty header), then a last message, whose header has ``resident_bytes`` and ``served`` and says how the request went.
+A new worker begins with ``{"rehearsed_seconds": ...}``: the processor time that it took to get ready. A request is one message.
+Its answer may be several: any number of reports (``{"stage", "fraction"}``) and of result lines (an empty header), then a last
+message, whose header has ``resident_bytes`` and ``served`` and says how the request went.
 
 The body is never copied into the header, so a worker's encoded answer goes out to the client byte for byte. No pickle:
 a message can carry nothing that runs.
@@ -22,6 +23,9 @@ import orjson
 FRAME = struct.Struct("!IQ")
 
 Header = dict[str, Any]
+
+REHEARSED = "rehearsed_seconds"
+"""The one member of a new worker's first header."""
 
 JOINED_BYTES = 64 * 1024
 """Longest body that goes out with its head in one call, so that the other side wakes up once."""

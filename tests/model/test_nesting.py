@@ -122,3 +122,11 @@ def test_messages_carry_a_second_opinion() -> None:
     # A loop of a micrometre on a metre is below what polygons show, and found all the same.
     dent = polygon((0, 0), (1000, 0), (1000, 1000), (500, -1e-4), (0, 1000))
     assert all("shapely finds" in p.message for p in refuse(dent)[:1])
+
+
+@pytest.mark.parametrize("count", [3, 2000])
+def test_loops_that_meet_are_not_compared_pair_by_pair(count: int, exact_calls: list[object]) -> None:
+    """Two thousand copies of a hole are two million pairs, and each takes milliseconds on the exact curves."""
+    found = refuse(SQUARE, *[circle(0.2, 0.1, 0.3)] * count)
+    assert codes(found) == {"duplicate-loop"}
+    assert not exact_calls

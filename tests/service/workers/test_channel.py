@@ -52,6 +52,19 @@ def test_a_large_body_is_sent_at_the_pace_of_its_reader() -> None:
     asyncio.run(scenario())
 
 
+def test_what_a_new_worker_says_first_is_no_answer() -> None:
+    async def scenario() -> None:
+        channel, its = await _connected()
+        with its:
+            wire.send(its, {wire.REHEARSED: 0.25})
+            wire.send(its, {"a": 1})
+            assert await channel.receive() == ({"a": 1}, ())
+        assert channel.rehearsed == 0.25
+        channel.close()
+
+    asyncio.run(scenario())
+
+
 def test_who_sends_to_a_worker_that_ends_does_not_wait_for_ever() -> None:
     async def scenario() -> None:
         channel, its = await _connected()
