@@ -171,6 +171,21 @@ def boxes_near(tree: Floats, v: int, w: int, gap: float) -> bool:
 
 
 @inner
+def ways_between(pi: Ints, pf: Floats, piece_start: Ints, i: int, j: int) -> tuple[bool, float, float]:
+    """Whether pieces i <= j are to be compared (a gentle one does not meet itself; adjacent ones are looked at elsewhere).
+
+    And the lengths of the boundary from the end of i ahead to j and from the end of j on to i; infinite between loops.
+    """
+    loop = pi[i, LOOP]
+    if loop != pi[j, LOOP]:
+        return True, math.inf, math.inf
+    last = piece_start[loop + 1] - 1
+    ahead = pf[j, CUM] - pf[i, CUM] - pf[i, LEN]
+    behind = pf[last, CUM] + pf[last, LEN] - ahead - pf[i, LEN] - pf[j, LEN]
+    return j > i + 1 and not (i == piece_start[loop] and j == last), ahead, behind
+
+
+@inner
 def compare_pairs(
     pi: Ints,
     pf: Floats,
@@ -218,17 +233,9 @@ def compare_pairs(
         b = w - leaves if first_is_lower else v - leaves
         i = piece[a]
         j = piece[b]
-        ahead = math.inf
-        behind = math.inf
-        loop = pi[i, LOOP]
-        if loop == pi[j, LOOP]:
-            first = piece_start[loop]
-            last = piece_start[loop + 1] - 1
-            # A gentle piece does not meet itself.
-            if j <= i + 1 or (i == first and j == last):
-                continue
-            ahead = pf[j, CUM] - pf[i, CUM] - pf[i, LEN]
-            behind = pf[last, CUM] + pf[last, LEN] - ahead - pf[i, LEN] - pf[j, LEN]
+        compared, ahead, behind = ways_between(pi, pf, piece_start, i, j)
+        if not compared:
+            continue
         restrict(pcp, pi[i, CP0], pi[i, DEG], part[a, 0], part[a, 1], work, 0)
         restrict(pcp, pi[j, CP0], pi[j, DEG], part[b, 0], part[b, 1], work, BLOCK)
         if not separated(work, pi[i, DEG], pi[j, DEG], gap):
