@@ -25,8 +25,8 @@ def cut_edges(
     noise = 4.0 * rounding
     used = _collect_beziers(degree, cp_start, moved, knot_start, knots, edge_loop_start, backwards, noise, span_cp, breaks, bez_i,
                             bez_f, cp, cp_low, bez_loop_start)
-    return cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table,
-                       work, bounds, roots)
+    return cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, used, pieces_i, pieces_f, piece_loop_start, rounding, noise,
+                       table, work, bounds, roots)
 
 
 @inner
