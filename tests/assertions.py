@@ -483,7 +483,8 @@ def check_footpoints(report: Report, answer: Answer, reference: Reference, toler
     blur = np.zeros(len(feet))
     for step in (-NAMED, NAMED):
         u = np.array([f["u"] for f in feet], dtype=float)
-        blur = np.maximum(blur, np.linalg.norm(reference.boundary.points(owner, u + step * np.spacing(np.abs(u))) - points, axis=1))
+        beside = reference.boundary.points(owner, u + step * np.spacing(np.abs(u)))
+        blur = np.maximum(blur, np.linalg.norm(beside - points, axis=1))
     gap = np.maximum(gap - blur, 0.0)
     if given:
         off = np.linalg.norm(points[:nodes] - np.array(given), axis=1)

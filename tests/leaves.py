@@ -145,7 +145,7 @@ def candidates(reference: Reference) -> list[tuple[int, float, bool, int, bool]]
 
 
 def rise(reference: Reference, cells: Ints, s: Floats, k: Floats, top: int) -> float:
-    """How far a maximum of the curvature is from where that rises above zero before it, or falls below after it; 0 if it does not."""
+    """How far a maximum of the curvature is from where that rises above zero before it, or falls below after it; else 0."""
     way = 0.0
     peak = reference.at(cells[[top]], s[[top]])[0][0]
     for step in (-1, 1):

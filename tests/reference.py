@@ -42,7 +42,7 @@ OWN_BLUR = 3e-7  # error of a disc that its own curvature bounds: its partner is
 SMOOTH_TURN = 1e-12  # turning given to a smooth vertex of infinite curvature
 NO_LEG = 1e-18  # the widest floats tell no direction of a leg shorter than this,
 AT_REST = 1e-7  # nor is one that is this short for its cell where that goes
-TINY = 2e-13  # cells shorter than this are part of one bend with their neighbours
+TINY = 4e-13  # cells shorter than this are part of one bend with their neighbours
 HAIRPIN = 0.1  # radians; a bend of such cells that turns by less is no vertex
 CORNER = 1e-6  # radians of turning that make a vertex, the default of the option smooth_angle
 
@@ -290,7 +290,8 @@ class CurveSet:
 
         There g = (C - p).C' has the same sign at both, and its own extremum between them has the other one.
         """
-        slope = np.sum(self.grid_d[cell] ** 2, axis=2) + np.einsum("ijk,ijk->ij", self.grid[cell] - p[:, None], self.grid_dd[cell])
+        slope = np.sum(self.grid_d[cell] ** 2, axis=2)
+        slope += np.einsum("ijk,ijk->ij", self.grid[cell] - p[:, None], self.grid_dd[cell])
         above = (g[:, :-1] > 0) & (g[:, 1:] > 0) & (slope[:, :-1] < 0) & (slope[:, 1:] > 0)
         below = (g[:, :-1] < 0) & (g[:, 1:] < 0) & (slope[:, :-1] > 0) & (slope[:, 1:] < 0)
         row, j = np.nonzero(above | below)
@@ -412,6 +413,11 @@ class Reference:
     def names(self) -> list[tuple[int, int]]:
         """(loop, edge) of every curve of the boundary set."""
         return [(i, j) for i, loop in enumerate(self.loops) for j in range(len(loop))]
+
+    @cached_property
+    def straight(self) -> NDArray[np.bool_]:
+        """(edges,) True for those of degree 1: the rounding of a cell of 1e-10 bends it."""
+        return np.array([e["degree"] == 1 for loop in self.loops for e in loop])
 
     @cached_property
     def boundary(self) -> CurveSet:
@@ -575,6 +581,7 @@ class Reference:
         speed = np.linalg.norm(c1, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             curvature = side * (c1[:, 0] * c2[:, 1] - c1[:, 1] * c2[:, 0]) / speed**3
+            curvature[self.straight[self.boundary.owner[cell]]] = 0.0
             normal = side[:, None] * _left(c1) / speed[:, None]
         return c, normal, curvature
 

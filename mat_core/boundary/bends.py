@@ -124,7 +124,7 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
 
 @inner
 def peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
-    """The highest curvature that a Bezier has so near to its end, where it is k, that there is no room for a piece; k if that bends little.
+    """The highest curvature of a Bezier so near to its end that there is no room for a piece; k, that at the end, if little bends.
 
     The rounding of coordinates bends a piece of 1e-13 by some 1e-3 rad; what bends by more is a leaf, at the joint.
     """
@@ -140,7 +140,7 @@ def peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
 
 @inner
 def end_curvature(cp, c0, deg, rational, at, other, k):
-    """Curvature k > 0 at an end of a Bezier; 0 if it has risen from below zero within `FAINT_TURN` of there, on the way from `other`.
+    """Curvature k > 0 at an end of a Bezier; 0 if it has risen from below zero within `FAINT_TURN`, on the way from `other`.
 
     A disc no larger than the domain that this curvature bounds ends on the last 1e-9 and reaches over the boundary by 1e-18
     without that. At a reflex vertex it would be a leaf, and a branch of discs that touch the vertex and what is beside it.

@@ -25,8 +25,8 @@ def cut_edges(
     noise = 4.0 * rounding
     used = _collect_beziers(degree, cp_start, moved, knot_start, knots, edge_loop_start, backwards, noise, span_cp, breaks, bez_i,
                             bez_f, cp, cp_low, bez_loop_start)
-    return cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table, work,
-                       bounds, roots)
+    return cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, used, pieces_i, pieces_f, piece_loop_start, rounding, noise,
+                       table, work, bounds, roots)
 
 
 @inner
@@ -53,9 +53,10 @@ def _collect_beziers(
     degree, cp_start, control, knot_start, knots, edge_loop_start, backwards, rounding,
     span_cp, breaks, bez_i, bez_f, cp, cp_low, bez_loop_start,
 ):
-    """Fill bez_i (degree, cp0, rational, edge, span, whether it goes on where the one before ends), bez_f (ua, ub, skew, start and its further digits), cp; the rows of cp.
+    """Fill the tables of Beziers and cp; returns the rows of cp.
 
-    Control points are relative to the start of their Bezier; what is left of them beyond their digits goes to cp_low.
+    bez_i: degree, cp0, rational, edge, span, whether it goes on where the one before ends; bez_f: ua, ub, skew, start x, y and
+    their further digits. Control points are relative to the start of their Bezier; what is left beyond their digits: cp_low.
     """
     count = 0
     used = 0

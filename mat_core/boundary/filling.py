@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.pieces import (
+from mat_core.boundary.chain import (
     P_CENTRE_X,
     P_CENTRE_Y,
     P_CP0,
@@ -12,6 +12,7 @@ from mat_core.boundary.pieces import (
     P_DEG,
     P_EDGE,
     P_FRAME,
+    P_GOES_ON,
     P_KIND,
     P_RATIONAL,
     P_SKEW,
@@ -33,6 +34,7 @@ from mat_core.kernels.layout import (
     DEG,
     EDGE,
     FAN,
+    GOES_ON,
     K0,
     K1,
     KIND,
@@ -137,6 +139,7 @@ def _fill_piece(pieces_i, pieces_f, p, after, cp, site, loop, si, sf):
     si[site, LOOP] = loop
     si[site, EDGE] = pieces_i[p, P_EDGE]
     si[site, SPAN] = pieces_i[p, P_SPAN]
+    si[site, GOES_ON] = pieces_i[p, P_GOES_ON]
     si[site, CORNER] = SMOOTH_JOINT
     si[site, KNOWN] = 0
     sf[site, UA] = pieces_f[p, P_UA]

@@ -10,6 +10,25 @@ from __future__ import annotations
 import math
 
 from mat_core.boundary.bends import end_curvature, from_nearest, is_idle, peak_at_end, tight_cut, total_turning, trimmed
+from mat_core.boundary.chain import (
+    P_CENTRE_X,
+    P_CENTRE_Y,
+    P_CP0,
+    P_CURVATURE,
+    P_DEG,
+    P_EDGE,
+    P_FRAME,
+    P_GOES_ON,
+    P_KIND,
+    P_RATIONAL,
+    P_SKEW,
+    P_SPAN,
+    P_UA,
+    P_UB,
+    chain,
+    go_on,
+    longest_of,
+)
 from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, nearest_row, place_part
 from mat_core.boundary.joints import end_frame
 from mat_core.kernels.bezier import balance
@@ -17,18 +36,9 @@ from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
 
-# columns of the tables of pieces
-P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN = range(6)
-P_UA, P_UB, P_SKEW, P_X, P_Y, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(9)
-P_X_LOW, P_Y_LOW = 14, 15
-# P_SKEW: as `layout.SKEW`; P_X, P_Y: start, P_X_LOW, P_Y_LOW: its further digits; P_FRAME: tx, ty, k at both ends
-PI_WIDTH = 6
-PF_WIDTH = 16
-
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 SHORTEST = 1e-9  # of the parameter; what is shorter is not halved, however much it turns
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
-SAME_WAY = 0.995  # cosine of the angle at a knot of a curve that does not stand still there: rounding turns it by less
 UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
 
 
@@ -81,29 +91,6 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
 
 
 @inner
-def _moved(high, low, by):
-    """high + low + by as a number in two parts, the first one rounded."""
-    rounded = high + by
-    rest = rounded - high
-    low += (high - (rounded - rest)) + (by - rest)
-    return rounded + low, low - ((rounded + low) - rounded)
-
-
-@inner
-def _longest(cp, deg, pieces_i, first, count):
-    """The piece of a Bezier with the ends farthest apart: what must give, gives there."""
-    longest = first
-    most = -1.0
-    for p in range(first, count):
-        end = pieces_i[p, P_CP0] + deg
-        size = abs(cp[end, 0]) + abs(cp[end, 1])
-        if size > most:
-            most = size
-            longest = p
-    return longest
-
-
-@inner
 def _mended(cp, c0, deg, rational, begin, end, target):
     """Shear the piece in rows target.. by what is cut off of its Bezier outside [begin, end]: its pieces meet the vertices.
 
@@ -114,30 +101,6 @@ def _mended(cp, c0, deg, rational, begin, end, target):
     for i in range(1, deg + 1):
         cp[target + i, 0] += i * (ax - bx) / deg
         cp[target + i, 1] += i * (ay - by) / deg
-
-
-@inner
-def _chain(cp, cp_low, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
-    """Starts of the pieces of Bezier b to more digits, each where the one before ends by its own control points.
-
-    So pieces that are near each other, with tiny ones in between, keep the digits of their differences. What rounding leaves over
-    goes to the longest piece; those behind it are placed from the end of the Bezier, row `end` of `cp`. Centres of arcs, relative
-    to the start of their piece so far, are placed with it.
-    """
-    for axis in range(2):
-        high = bez_f[b, 3 + axis]
-        low = bez_f[b, 5 + axis]
-        for p in range(first, longest + 1):
-            pieces_f[p, P_X + axis] = high
-            pieces_f[p, P_X_LOW + axis] = low
-            high, low = _moved(high, low, cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
-        high, low = _moved(bez_f[b, 3 + axis], bez_f[b, 5 + axis] + cp_low[end, axis], cp[end, axis])
-        for p in range(count - 1, longest, -1):
-            high, low = _moved(high, low, -cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
-            pieces_f[p, P_X + axis] = high
-            pieces_f[p, P_X_LOW + axis] = low
-        for p in range(first, count):
-            pieces_f[p, P_CENTRE_X + axis] += pieces_f[p, P_X + axis]
 
 
 @inner
@@ -216,6 +179,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
             pieces_i[count, P_RATIONAL] = rational
             pieces_i[count, P_EDGE] = edge
             pieces_i[count, P_SPAN] = span
+            pieces_i[count, P_GOES_ON] = 0
             _pace(pieces_f, count, begin, end, ua, ub, skew)
             pieces_f[count, P_CURVATURE] = k
             pieces_f[count, P_CENTRE_X] = cx - x
@@ -230,7 +194,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
                 pieces_f[row, P_FRAME + 3 * end + 2] = peak_at_end(
                     cp, c0, deg, rational, end, roots, n_roots, pieces_f[row, P_FRAME + 3 * end + 2], rounding)
     if start > 0.0 or last < 1.0:
-        _mended(cp, c0, deg, rational, start, last, pieces_i[_longest(cp, deg, pieces_i, first, count), P_CP0])
+        _mended(cp, c0, deg, rational, start, last, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0])
     return count, cp_used
 
 
@@ -242,29 +206,6 @@ def _is_uneven(cp, c0, deg):
         low = min(low, cp[c0 + i, 2])
         high = max(high, cp[c0 + i, 2])
     return high > UNEVEN * low
-
-
-@inner
-def _go_on(cp, pieces_i, pieces_f, before, after):
-    """One tangent where piece `after` goes on in the direction of `before`, at a knot: that of the side which tells it better."""
-    if pieces_i[before, P_KIND] != SPIRAL or pieces_i[after, P_KIND] != SPIRAL:
-        return
-    tx = pieces_f[before, P_FRAME + 3]
-    ty = pieces_f[before, P_FRAME + 4]
-    ux = pieces_f[after, P_FRAME]
-    uy = pieces_f[after, P_FRAME + 1]
-    if tx * ux + ty * uy < SAME_WAY:  # it stands still at the knot
-        return
-    end = pieces_i[before, P_CP0] + pieces_i[before, P_DEG]
-    start = pieces_i[after, P_CP0]
-    left = abs(cp[end, 0] - cp[end - 1, 0]) + abs(cp[end, 1] - cp[end - 1, 1])
-    right = abs(cp[start + 1, 0]) + abs(cp[start + 1, 1])
-    if left >= right:
-        pieces_f[after, P_FRAME] = tx
-        pieces_f[after, P_FRAME + 1] = ty
-    else:
-        pieces_f[before, P_FRAME + 3] = ux
-        pieces_f[before, P_FRAME + 4] = uy
 
 
 @inner
@@ -280,7 +221,7 @@ def _about_nearest(cp, cp_low, c0, deg, begin, target):
 @inner
 def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table,
                 work, bounds, roots):
-    """Cut all Beziers (rows of `bez_i`: degree, cp0, rational, edge, span, goes on; `bez_f`: ua, ub, skew, start) into pieces, in order.
+    """Cut all Beziers (rows of `bez_i`, `bez_f`, see `boundary.edges`) into pieces, in loop order.
 
     New control points go behind row `cp_used` of `cp`, relative to the start of their piece; a piece ends where the next starts.
     Beziers with very uneven weights are halved first, and balanced, until they are not.
@@ -321,15 +262,17 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                         continue
                     part = cp_used
                     cp_used += deg + 1
-                count, cp_used = _cut_bezier(cp, part, deg, bez_i[b, 2], bent, bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew,
-                                             cp_used, count, pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
+                count, cp_used = _cut_bezier(
+                    cp, part, deg, bez_i[b, 2], bent, bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew, cp_used, count,
+                    pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
                 if count < 0:
                     return -1, cp_used
                 begin = end
                 u_begin = u_end
                 step *= 2.0
             if bez_i[b, 5] and b > bez_loop_start[loop]:
-                _go_on(cp, pieces_i, pieces_f, first - 1, first)
-            _chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, _longest(cp, deg, pieces_i, first, count), count)
+                pieces_i[first, P_GOES_ON] = 1
+                go_on(cp, pieces_i, pieces_f, first - 1, first)
+            chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest_of(cp, deg, pieces_i, first, count), count)
         piece_loop_start[loop + 1] = count
     return count, cp_used

@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.boundary.chain import PF_WIDTH, PI_WIDTH
 from mat_core.boundary.curvature import SCRATCH_ROWS, scratch_width
 from mat_core.boundary.edges import cut_edges
 from mat_core.boundary.filling import fill_sites
-from mat_core.boundary.pieces import PF_WIDTH, PI_WIDTH
 from mat_core.kernels.bernstein import MAX_DEPTH
 from mat_core.kernels.bezier import CLOSE, count_beziers
 from mat_core.kernels.layout import SF_WIDTH, SI_WIDTH

@@ -6,10 +6,10 @@ import math
 
 from mat_core.boundary.joints import CUSP_ANGLE, cusp_is_convex
 from mat_core.kernels.jit import inner
-from mat_core.kernels.layout import ARC, EDGE, K0, K1, KIND, LEN, SPAN, TX0, TX1, TY0, TY1, UA, UB
+from mat_core.kernels.layout import ARC, EDGE, GOES_ON, K0, K1, KIND, LEN, SPAN, TX0, TX1, TY0, TY1, UA, UB
 
 SLIGHT_BEND = 0.01  # of a convex joint over the length of a piece beside it: no disc is bent so little by a hundred times
-SAME_BEZIER = 0.1  # radians; a Bezier turns by less where it is cut, but at a cusp
+SAME_BEZIER = 0.1  # radians; a Bezier turns by less where it is cut, and a spline at a knot, but at a cusp
 UNCERTAIN = 2.0  # roundings over its length by which the tangent of a piece may be wrong
 
 
@@ -69,7 +69,8 @@ def joint_turn(si, sf, cp, base, n, p, smooth_angle, bent_back, rounding):
         if cusp_is_convex(si, sf, cp, a, b):
             return turn if turn > 0.0 else turn + 2.0 * math.pi
         return turn if turn < 0.0 else turn - 2.0 * math.pi
-    if n > 1 and abs(turn) < SAME_BEZIER and si[a, EDGE] == si[b, EDGE] and si[a, SPAN] == si[b, SPAN] and sf[a, UB] == sf[b, UA]:
+    if n > 1 and abs(turn) < SAME_BEZIER and si[a, EDGE] == si[b, EDGE] and sf[a, UB] == sf[b, UA] and (
+            si[a, SPAN] == si[b, SPAN] or si[b, GOES_ON] == 1):
         return 0.0
     if turn < 0.0:
         smooth = -turn <= (smooth_angle if _has_two_leaves(si, sf, a, b, -turn) else bent_back)

@@ -111,9 +111,9 @@ def decompose(
 ) -> int:
     """Cut one clamped rational B-spline into its Bezier pieces; returns their number S.
 
-    Reads knots[knot0 : knot0 + nknots] and cp[cp0 : cp0 + ncp] (x, y, w; or x, y, w and what is left of x and y beyond their
-    digits, then `out` has five columns, too, and the ways between its points have all theirs). Piece i is written to rows i (degree + 1)
-    ... of `out`, its parameter range to ubreaks[i], ubreaks[i + 1]. S <= ncp - degree bounds both buffers.
+    Reads knots[knot0 : knot0 + nknots] and cp[cp0 : cp0 + ncp] (x, y, w). Piece i is written to rows i (degree + 1)
+    ... of `out`, its parameter range to ubreaks[i], ubreaks[i + 1]. S <= ncp - degree bounds both buffers. With `CLOSE`
+    columns in both, what is left of x and y is carried on: short ways between points keep all their digits.
 
     For the span [a, b] = [t_k, t_k+1] the p + 1 rows d_k-p .. d_k are the blossom f(t_i+1, .., t_i+p). Two triangles
     of convex steps, in place, replace the knots left of a by a, then those right of b by b. Any inner multiplicity will

@@ -10,8 +10,8 @@ from __future__ import annotations
 LINE, ARC, SPIRAL, FAN = 0, 1, 2, 3
 
 # si: integers of a site
-KIND, DEG, CP0, RATIONAL, NEXT, PREV, V0, V1, LOOP, EDGE, SPAN, CORNER, KNOWN = range(13)
-SI_WIDTH = 13
+KIND, DEG, CP0, RATIONAL, NEXT, PREV, V0, V1, LOOP, EDGE, SPAN, CORNER, KNOWN, GOES_ON = range(14)
+SI_WIDTH = 14
 
 # sf: floats of a site
 X0, Y0, X1, Y1, TX0, TY0, TX1, TY1, K0, K1, LEN, SWEEP, UA, UB, SKEW, XMIN, YMIN, XMAX, YMAX = range(19)
@@ -20,6 +20,7 @@ SF_WIDTH = 23
 
 # SKEW q: the input edge's parameter at s on the site's Bezier is UA + (UB - UA) s / (s + q (1 - s))
 # KNOWN: 1 for an ARC whose curvature comes from the derivatives of its Bezier, not from a circle through its points
+# GOES_ON: 1 for the first site of a Bezier that begins at a knot of less than full multiplicity: in the last one's direction
 # CORNER: the joint at the start of a site
 SMOOTH_JOINT, CONVEX_VERTEX = 0, 1
 

@@ -131,7 +131,7 @@ def multiple_knots(seed: int, rng: Rng, spread: float = 3.0, degrees: tuple[int,
 
 
 def wide_weights(seed: int, rng: Rng) -> Json:
-    """The same with weights from 1e-6 to 1e6, and degrees up to 20: bends of any tightness, nearly all of an edge within 1e-12 of u."""
+    """The same with weights from 1e-6 to 1e6, degrees up to 20: tightest bends, nearly all of an edge within 1e-12 of u."""
     return multiple_knots(seed, rng, 6.0, (1, 20) if seed % 8 == 7 else (1, 5))
 
 

@@ -1,0 +1,86 @@
+"""Pieces in a row: the columns of their tables, where each starts, and that they go on in one direction at a smooth knot."""
+
+from __future__ import annotations
+
+from mat_core.kernels.jit import inner
+from mat_core.kernels.layout import SPIRAL
+
+# columns of the tables of pieces
+P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN, P_GOES_ON = range(7)
+P_UA, P_UB, P_SKEW, P_X, P_Y, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(9)
+P_X_LOW, P_Y_LOW = 14, 15
+# P_SKEW: as `layout.SKEW`; P_X, P_Y: start, P_X_LOW, P_Y_LOW: its further digits; P_FRAME: tx, ty, k at both ends
+PI_WIDTH = 7
+PF_WIDTH = 16
+
+SAME_WAY = 0.995  # cosine of the angle at a knot of a curve that does not stand still there: rounding turns it by less
+
+
+@inner
+def _moved(high, low, by):
+    """high + low + by as a number in two parts, the first one rounded."""
+    rounded = high + by
+    rest = rounded - high
+    low += (high - (rounded - rest)) + (by - rest)
+    return rounded + low, low - ((rounded + low) - rounded)
+
+
+@inner
+def longest_of(cp, deg, pieces_i, first, count):
+    """The piece of a Bezier with the ends farthest apart: what must give, gives there."""
+    longest = first
+    most = -1.0
+    for p in range(first, count):
+        end = pieces_i[p, P_CP0] + deg
+        size = abs(cp[end, 0]) + abs(cp[end, 1])
+        if size > most:
+            most = size
+            longest = p
+    return longest
+
+
+@inner
+def chain(cp, cp_low, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
+    """Starts of the pieces of Bezier b to more digits, each where the one before ends by its own control points.
+
+    So pieces that are near each other, with tiny ones in between, keep the digits of their differences. What rounding leaves over
+    goes to the longest piece; those behind it are placed from the end of the Bezier, row `end` of `cp`. Centres of arcs, relative
+    to the start of their piece so far, are placed with it.
+    """
+    for axis in range(2):
+        high = bez_f[b, 3 + axis]
+        low = bez_f[b, 5 + axis]
+        for p in range(first, longest + 1):
+            pieces_f[p, P_X + axis] = high
+            pieces_f[p, P_X_LOW + axis] = low
+            high, low = _moved(high, low, cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
+        high, low = _moved(bez_f[b, 3 + axis], bez_f[b, 5 + axis] + cp_low[end, axis], cp[end, axis])
+        for p in range(count - 1, longest, -1):
+            high, low = _moved(high, low, -cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
+            pieces_f[p, P_X + axis] = high
+            pieces_f[p, P_X_LOW + axis] = low
+        for p in range(first, count):
+            pieces_f[p, P_CENTRE_X + axis] += pieces_f[p, P_X + axis]
+
+
+@inner
+def go_on(cp, pieces_i, pieces_f, before, after):
+    """One tangent where piece `after` goes on in the direction of `before`, at a knot: that of the side which tells it better."""
+    if pieces_i[before, P_KIND] != SPIRAL or pieces_i[after, P_KIND] != SPIRAL:
+        return
+    tx = pieces_f[before, P_FRAME + 3]
+    ty = pieces_f[before, P_FRAME + 4]
+    ux = pieces_f[after, P_FRAME]
+    uy = pieces_f[after, P_FRAME + 1]
+    if tx * ux + ty * uy < SAME_WAY:  # it stands still at the knot
+        return
+    end = pieces_i[before, P_CP0] + pieces_i[before, P_DEG]
+    start = pieces_i[after, P_CP0]
+    left = abs(cp[end, 0] - cp[end - 1, 0]) + abs(cp[end, 1] - cp[end - 1, 1])
+    right = abs(cp[start + 1, 0]) + abs(cp[start + 1, 1])
+    if left >= right:
+        pieces_f[after, P_FRAME] = tx
+        pieces_f[after, P_FRAME + 1] = ty
+    else:
+        pieces_f[before, P_FRAME + 3] = ux
+        pieces_f[before, P_FRAME + 4] = uy
