@@ -11,8 +11,8 @@
 
     more than MAT_MAX_CONNECTIONS ──> the one that waited longest for a head ends; or, where none does, the new one, by a 503
 
-By itself uvicorn closes a connection only that is silent for five seconds. It waits without end for a client that sends a byte now
-and then, or never reads; takes any number of connections; and tells of what is no HTTP in plain text.
+By itself uvicorn closes a connection only that is silent for five seconds. It waits without end for a client that sends a byte
+now and then, or never reads; takes any number of connections; and tells of what is no HTTP in plain text.
 """
 
 from __future__ import annotations
