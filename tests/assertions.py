@@ -442,7 +442,7 @@ def check_nodes(report: Report, answer: Answer, reference: Reference) -> None:
         # two contacts may be so close that the boundary between them is within the slack, too
         seen = max(len(loose), len(tight))
         if degree > seen:
-            seen = max(seen, len(minima(reference, center, slack, min(1e-9, SEEN * radius))))
+            seen = max(seen, len(minima(reference, center, slack, min(ONE_PLACE, SEEN * radius))))
         # a disc that reaches both sides of a corner too flat to see has two contacts there, or one if the corner is smooth
         reached = np.abs(np.linalg.norm(reference.flat_corners - center, axis=1) - answer.node_disc[i, 2])
         flat = int(np.count_nonzero(reached < FLAT_REACH * answer.node_disc[i, 2]))
