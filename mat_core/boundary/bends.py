@@ -124,7 +124,7 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
 
 @inner
 def peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
-    """The highest curvature of a Bezier so near its end that there is no room for a piece; k, that at the end, if it bends little
+    """The highest curvature of a Bezier so near its end that there is no room for a piece; the end's, k, if little bends there.
 
     The rounding of coordinates bends a piece of 1e-13 by some 1e-3 rad; what bends by more is a leaf, at the joint.
     """
