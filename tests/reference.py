@@ -43,7 +43,7 @@ SMOOTH_TURN = 1e-12  # turning given to a smooth vertex of infinite curvature
 NO_LEG = 1e-18  # the widest floats tell no direction of a leg shorter than this,
 AT_REST = 1e-7  # nor is one that is this short for its cell where that goes
 TINY = 4e-13  # cells shorter than this are part of one bend with their neighbours
-HAIRPIN = 0.1  # radians; a bend of such cells that turns by less is no vertex
+HAIRPIN = 1e-3  # radians; a bend of such cells that turns by less is no vertex
 CORNER = 1e-6  # radians of turning that make a vertex, the default of the option smooth_angle
 
 

@@ -157,7 +157,11 @@ def _sides(t, k, strip, radius):
     for axis in range(3):
         apart = max(apart, abs(k.disc[d1, axis] - k.disc[d0, axis]))
     s = k.strip_s
-    if not apart > SAME_DISC and s[strip, 1] - s[strip, 0] <= 0.5 and s[strip, 2] - s[strip, 3] <= 0.5:
+    little = not apart > SAME_DISC
+    for side in range(2):  # most of a site is looked at even so; of a point there is no more to see
+        fan = t.si[k.strip_i[strip, side], KIND] == FAN
+        little = little and (fan or abs(s[strip, 2 * side + 1] - s[strip, 2 * side]) <= 0.5)
+    if little:
         return False, False
     right = _width(t, k, strip, 0, radius) > NO_SIDE
     left = _width(t, k, strip, 1, radius) > NO_SIDE

@@ -27,6 +27,8 @@ UNSEEN = {
     "side-without-length",
     "bend-of-tiny-sides",
     "points-that-no-parameter-names",
+    "a-strip-of-no-length-along-all-of-a-side",
+    "a-slight-bend-of-1e-19-beside-a-reflex-vertex",
 }
 
 
