@@ -12,7 +12,8 @@ IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both ar
 AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
 TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tighter, is cut off: no disc tells it from the vertex
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
-HAIRPIN = 1e-3  # radians; what turns by less is no such bend
+HAIRPIN = 0.1  # radians; what turns by less is no such bend,
+CONVEX_HAIRPIN = 1e-3  # but where it would have a leaf of its own
 FAINT_TURN = 1e-9  # radians; a rise of the curvature at an end that turns by less is none
 TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
 SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
@@ -109,7 +110,8 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots):
     if 0 <= beyond < n_roots:
         far = roots[beyond]
     far = _trim_at(cp, c0, deg, rational, end, near, far)
-    if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) <= HAIRPIN:
+    least = CONVEX_HAIRPIN if _curvature(cp, c0, deg, rational, far) > 0.0 else HAIRPIN
+    if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) <= least:
         return float(end)
     # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either
     if 0.0 < _curvature(cp, c0, deg, rational, far) * TRIM < 1.0:
