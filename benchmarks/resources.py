@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -14,6 +15,7 @@ from typing import NamedTuple
 from benchmarks.shapes import LARGE
 
 ROOT = Path(__file__).parents[1]
+RUNS = 9
 EDGES = 100_000
 FAMILIES = ("comb", "coastline")
 
@@ -83,7 +85,7 @@ def memory(name: str) -> Memory:
 
 
 def first_use() -> FirstUse:
-    """Compiled into an empty folder by the command for images, then used from there three times."""
+    """Compiled into an empty folder by the command for images, then used from there RUNS times: the median of these."""
     with tempfile.TemporaryDirectory() as folder:
         place = {"NUMBA_CACHE_DIR": folder, "PYTHONPYCACHEPREFIX": folder, "PYTHONDONTWRITEBYTECODE": ""}
         begun, spent = time.monotonic(), os.times()
@@ -91,7 +93,7 @@ def first_use() -> FirstUse:
         wall, after = time.monotonic() - begun, os.times()
         cpu = after.children_user + after.children_system - spent.children_user - spent.children_system
         _python("-c", FIRST, **place)
-        return FirstUse(sorted(float(_python("-c", FIRST, **place)) for _ in range(3))[1], wall, cpu)
+        return FirstUse(statistics.median(float(_python("-c", FIRST, **place)) for _ in range(RUNS)), wall, cpu)
 
 
 def _python(*arguments: str, **variables: str) -> str:
