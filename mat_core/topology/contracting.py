@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mat_core.kernels.jit import inner
-from mat_core.kernels.layout import CURVATURE_LEAF, NEXT, VERTEX_LEAF
+from mat_core.kernels.layout import ARC, CURVATURE_LEAF, KIND, NEXT, VERTEX_LEAF
 from mat_core.topology.unite import find, same_disc, unite
 
 
@@ -46,10 +46,10 @@ def contract(si, disc, kind, strip_i, strip_s, contact_start, contact_site, cont
         leaf = kind[d0] == VERTEX_LEAF or kind[d0] == CURVATURE_LEAF or kind[d1] == VERTEX_LEAF or kind[d1] == CURVATURE_LEAF
         if leaf or d0 == d1 or find(parent, d0) == find(parent, d1) or not same_disc(disc, d0, d1, tolerance):
             continue
-        right = strip_s[n, 0] == 0.0 and strip_s[n, 1] == 1.0
-        left = strip_s[n, 2] == 1.0 and strip_s[n, 3] == 0.0
+        right = strip_s[n, 0] == 0.0 and strip_s[n, 1] == 1.0 and si[strip_i[n, 0], KIND] != ARC
+        left = strip_s[n, 2] == 1.0 and strip_s[n, 3] == 0.0 and si[strip_i[n, 1], KIND] != ARC
         if right or left:
-            continue  # all of a site: of two joints neither can stand for the other
+            continue  # all of a site that is no circle about the disc's centre: of its joints neither can stand for the other
         unite(parent, d0, d1)
         strip_alive[n] = False
         died += 1

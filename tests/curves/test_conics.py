@@ -135,4 +135,5 @@ def test_discs_that_leave_a_narrow_neck_are_exact(neck: float) -> None:
     # between the two corners of the neck r = sqrt(x^2 + neck^2 / 4): bent as sharply as the neck is narrow
     content = dumbbell(neck)
     axis = medial_axis(Domain.from_dict({"outer": content["outer"], "holes": content.get("holes", [])}))
-    assert max(worst for pair, _, worst in exact_pieces(axis) if pair == ("point", "point")) <= 1e-14
+    # (a direction at the neck that is an ulp off moves it by 1e-14)
+    assert max(worst for pair, _, worst in exact_pieces(axis) if pair == ("point", "point")) <= 1e-13
