@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mat_core.kernels.bezier import add_closely
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import SPIRAL
 
@@ -14,15 +15,6 @@ PI_WIDTH = 7
 PF_WIDTH = 16
 
 SAME_WAY = 0.995  # cosine of the angle at a knot of a curve that does not stand still there: rounding turns it by less
-
-
-@inner
-def _moved(high, low, by):
-    """high + low + by as a number in two parts, the first one rounded."""
-    rounded = high + by
-    rest = rounded - high
-    low += (high - (rounded - rest)) + (by - rest)
-    return rounded + low, low - ((rounded + low) - rounded)
 
 
 @inner
@@ -53,10 +45,10 @@ def chain(cp, cp_low, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
         for p in range(first, longest + 1):
             pieces_f[p, P_X + axis] = high
             pieces_f[p, P_X_LOW + axis] = low
-            high, low = _moved(high, low, cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
-        high, low = _moved(bez_f[b, 3 + axis], bez_f[b, 5 + axis] + cp_low[end, axis], cp[end, axis])
+            high, low = add_closely(high, low, cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
+        high, low = add_closely(bez_f[b, 3 + axis], bez_f[b, 5 + axis] + cp_low[end, axis], cp[end, axis])
         for p in range(count - 1, longest, -1):
-            high, low = _moved(high, low, -cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
+            high, low = add_closely(high, low, -cp[pieces_i[p, P_CP0] + pieces_i[p, P_DEG], axis])
             pieces_f[p, P_X + axis] = high
             pieces_f[p, P_X_LOW + axis] = low
         for p in range(first, count):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mat_core.boundary.pieces import cut_beziers
-from mat_core.kernels.bezier import balance, decompose
+from mat_core.kernels.bezier import add_closely, balance, decompose
 from mat_core.kernels.jit import inner, jit
 
 
@@ -32,10 +32,7 @@ def cut_edges(
 @inner
 def _between(a, a_low, b, b_low):
     """b - a of numbers in two parts, in two parts, the first one rounded."""
-    high = b - a
-    back = high - b
-    low = ((b - (high - back)) - (a + back)) + (b_low - a_low)
-    return high + low, low - ((high + low) - high)
+    return add_closely(b, b_low - a_low, -a)
 
 
 @inner

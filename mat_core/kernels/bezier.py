@@ -54,13 +54,12 @@ def blend(rows: Floats, i: int, j: int, k: int, a: float) -> None:
 
 
 @inner
-def _step(n: float, n_low: float, o: float, o_low: float, b: float) -> tuple[float, float]:
-    """n + b (o - n) of numbers in two parts, the first one rounded: to the digits of b (o - n), not of n."""
-    by = b * ((o - n) + (o_low - n_low))
-    high = n + by
-    back = high - n
-    low = n_low + ((n - (high - back)) + (by - back))
-    return high + low, low - ((high + low) - high)
+def add_closely(high: float, low: float, by: float) -> tuple[float, float]:
+    """high + low + by as a number in two parts, the first one rounded (Knuth's sum of two)."""
+    rounded = high + by
+    rest = rounded - high
+    low += (high - (rounded - rest)) + (by - rest)
+    return rounded + low, low - ((rounded + low) - rounded)
 
 
 @inner
@@ -72,8 +71,9 @@ def blend_closely(rows: Floats, i: int, j: int, k: int, a: float) -> None:
     n = i if w1 <= w0 else j
     o = j if w1 <= w0 else i
     b = min(w0, w1) / w
-    x, x_low = _step(rows[n, 0], rows[n, 3], rows[o, 0], rows[o, 3], b)
-    y, y_low = _step(rows[n, 1], rows[n, 4], rows[o, 1], rows[o, 4], b)
+    # n + b (o - n), to the digits of b (o - n), not of n
+    x, x_low = add_closely(rows[n, 0], rows[n, 3], b * ((rows[o, 0] - rows[n, 0]) + (rows[o, 3] - rows[n, 3])))
+    y, y_low = add_closely(rows[n, 1], rows[n, 4], b * ((rows[o, 1] - rows[n, 1]) + (rows[o, 4] - rows[n, 4])))
     rows[k, 0] = x
     rows[k, 1] = y
     rows[k, 2] = w
