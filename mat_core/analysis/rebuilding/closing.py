@@ -14,6 +14,15 @@ from mat_core.model.curve import RationalBSpline
 Floats = NDArray[np.float64]
 
 LONGEST_LEAD = 0.5  # of a Bezier's parameter: how far its end may be led along itself
+ILL_POSED = 1e-3  # directions told apart less than this, relative, do not move a vertex
+GAUSS_STEPS = 3
+
+
+class Vertex(NamedTuple):
+    """A point of the boundary, and discs (n, 3) that pass through it."""
+
+    place: Floats
+    discs: Floats
 
 
 class Part(NamedTuple):
@@ -21,7 +30,17 @@ class Part(NamedTuple):
 
     pieces: list[Floats]
     arc: RationalBSpline | None
-    vertex: Floats | None
+    vertex: Vertex | None
+
+
+def common_point(start: Floats, discs: Floats) -> Floats:
+    """The point that discs (n, 3) pass through, |c - V| = r, by least squares from a point near it."""
+    vertex = start
+    for _ in range(GAUSS_STEPS):
+        away = vertex - discs[:, :2]
+        distance = np.maximum(np.hypot(away[:, 0], away[:, 1]), np.finfo(float).tiny)
+        vertex = vertex - np.linalg.lstsq(away / distance[:, None], distance - discs[:, 2], rcond=ILL_POSED)[0]
+    return vertex
 
 
 def closed(edges: list[Part]) -> list[RationalBSpline]:
@@ -51,18 +70,24 @@ def closed(edges: list[Part]) -> list[RationalBSpline]:
 
 def _vertices_after(edges: list[Part]) -> list[Floats | None]:
     """For each edge that is drawn the vertex that follows it, if one does."""
-    found: list[Floats | None] = []
-    leading: Floats | None = None
-    for edge in edges:
+    first = next(i for i, edge in enumerate(edges) if edge.vertex is None)
+    found: list[list[Vertex]] = []
+    for edge in edges[first:] + edges[:first]:
         if edge.vertex is None:
-            found.append(None)
-        elif found:
-            found[-1] = edge.vertex
+            found.append([])
         else:
-            leading = edge.vertex
-    if leading is not None and found[-1] is None:
-        found[-1] = leading
-    return found
+            found[-1].append(edge.vertex)
+    return [_one_of(vertices) if vertices else None for vertices in found]
+
+
+def _one_of(vertices: list[Vertex]) -> Floats:
+    """Where vertices in a row are: at one point, with nothing between them.
+
+    One that its discs hardly turn about is poorly placed, more so than the axis's errors; the discs of all place it well.
+    """
+    start: Floats = np.mean([vertex.place for vertex in vertices], axis=0)
+    discs = np.concatenate([vertex.discs for vertex in vertices])
+    return common_point(start, discs) if len(discs) else start
 
 
 def _led_to(control: Floats, place: Floats) -> Floats:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from mat_core.analysis.offsetting.parallel import QUARTER, arc_spline
 from mat_core.analysis.outline import edge_dicts, measure
-from mat_core.analysis.rebuilding.closing import Part, closed
+from mat_core.analysis.rebuilding.closing import Part, Vertex, closed, common_point
 from mat_core.analysis.rebuilding.distance import farthest, pieces_of
 from mat_core.analysis.rebuilding.envelope import Envelope
 from mat_core.analysis.rebuilding.folds import follow, forward
@@ -40,8 +40,6 @@ FIT_SHARE = 0.1  # of the axis's tolerance, for the curves of the boundary
 SNAP = 1e-9  # normalised: a shorter arc is rounding of e, which moves along the boundary only
 NEARLY_POINT = 0.1  # of what the disc turns: a side that stays within so much of its start may be a vertex
 POINT = 4.0  # errors of the axis by which discs may miss a vertex
-ILL_POSED = 1e-3  # directions told apart less than this, relative, do not move a vertex
-GAUSS_STEPS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,7 +255,7 @@ class _Rebuilder:
                          lambda v: self.envelope.headings(side.item, v, float(side.sense)))
         return pieces if side.sense > 0 else [piece[::-1].copy() for piece in reversed(pieces)]
 
-    def _vertex(self, side: _Side) -> Floats | None:
+    def _vertex(self, side: _Side) -> Vertex | None:
         """The point that all discs of an item pass through on one side, if there is one.
 
         Errors of e move p across such a point to first order, so it is found from centres and radii: |c - V| = r.
@@ -270,13 +268,9 @@ class _Rebuilder:
         if np.abs(control - control[0]).max() > NEARLY_POINT * turn * float(ends.disc[side.item, :, 2].max()):
             return None
         discs = self.envelope.discs(side.item)
-        vertex = control.mean(axis=0)
-        for _ in range(GAUSS_STEPS):
-            away = vertex - discs[:, :2]
-            distance = np.maximum(np.hypot(away[:, 0], away[:, 1]), np.finfo(float).tiny)
-            vertex = vertex - np.linalg.lstsq(away / distance[:, None], distance - discs[:, 2], rcond=ILL_POSED)[0]
+        vertex = common_point(control.mean(axis=0), discs)
         misses = np.abs(np.hypot(*(vertex - discs[:, :2]).T) - discs[:, 2])
-        return vertex if misses.max() <= POINT * float(self.axis.curves.max_error.max()) else None
+        return Vertex(vertex, discs) if misses.max() <= POINT * float(self.axis.curves.max_error.max()) else None
 
     def _heading(self, side: _Side) -> Floats:
         """Where the boundary goes at the start of a side."""
@@ -284,12 +278,11 @@ class _Rebuilder:
         heading: Floats = side.sense * self.envelope.headings(side.item, start, float(side.sense))[0]
         return heading
 
-    def _middle(self, side: _Side) -> Floats:
+    def _middle(self, side: _Side) -> Vertex:
         """Between the ends of a side that runs back as a whole: its neighbours meet there."""
         fits = self.envelope.right if side.sense > 0 else self.envelope.left
         control = fits.control[fits.of(side.item)]
-        middle: Floats = 0.5 * (control[0, 0] + control[-1, -1])
-        return middle
+        return Vertex(0.5 * (control[0, 0] + control[-1, -1]), np.empty((0, 3)))
 
     def _from_widest_gap(self, chain: list[_Side]) -> tuple[list[_Side], list[_Gap]]:
         """The chain from behind its widest gap on, where nothing overlaps, with the gap after each side."""
@@ -315,6 +308,8 @@ class _Rebuilder:
             smooth = vertex is None and gap.turn * gap.disc[2] <= SNAP < gap.disc[2]
             smooth = smooth and vertices[(i + 1) % len(chain)] is None
             if gap.turn * gap.disc[2] > SNAP:
-                p = vertex if vertex is not None else edges[-1].pieces[-1][-1]
+                p = vertex.place if vertex is not None else edges[-1].pieces[-1][-1]
                 edges.append(Part([], _arc_about(gap.disc, p, gap.turn), None))
+        if all(edge.vertex is not None for edge in edges):
+            raise NotCertified("reconstruct: a loop is shorter than the errors of the axis; ask for a finer tolerance")
         return closed(edges)
