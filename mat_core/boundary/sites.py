@@ -20,6 +20,7 @@ from mat_core.boundary.filling import fill_sites
 from mat_core.kernels.bernstein import MAX_DEPTH
 from mat_core.kernels.bezier import CLOSE, count_beziers
 from mat_core.kernels.layout import SF_WIDTH, SI_WIDTH
+from mat_core.memory import maker
 from mat_core.model.domain import Domain
 from mat_core.tolerances import Tolerances
 
@@ -30,7 +31,7 @@ BENT_BACK = 1e-9  # radians by which a reflex joint may turn and be smooth: no b
 class SiteTable(NamedTuple):
     """Sites of a domain in normalised coordinates, (input - origin) * scale, so that the larger side is in [0.5, 1].
 
-    si (n, SI_WIDTH) int64 and sf (n, SF_WIDTH) float64: columns in `mat_core.kernels.layout`; cp (m, 3): control points x, y
+    si (n, SI_WIDTH) int32 and sf (n, SF_WIDTH) float64: columns in `mat_core.kernels.layout`; cp (m, 3): control points x, y
     (relative to the site's start) and weight; loop_start (L + 1,): sites of each loop; origin (2,); scale: a power of two;
     smooth_angle: joints that turn by no more, radians, were taken as smooth.
     """
@@ -71,8 +72,9 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     loops = len(a.loop_start)
     beziers, points, most_of_edge, longest, highest = count_beziers(a.degree, a.cp_start)
     width = scratch_width(highest)
-    moved, span_cp, breaks = np.empty((len(a.cp), CLOSE)), np.empty((most_of_edge, CLOSE)), np.empty(longest + 2)
-    bez_i, bez_f, bez_loop_start = np.empty((beziers, 6), dtype=np.int64), np.empty((beziers, 7)), np.empty(loops, dtype=np.int64)
+    make = maker(beziers)
+    moved, span_cp, breaks = make((len(a.cp), CLOSE)), np.empty((most_of_edge, CLOSE)), np.empty(longest + 2)
+    bez_i, bez_f, bez_loop_start = make((beziers, 6), np.int64), make((beziers, 7)), np.empty(loops, dtype=np.int64)
     table, work = np.empty((SCRATCH_ROWS, width)), np.empty((MAX_DEPTH + 2, width))
     bounds, roots = np.empty((MAX_DEPTH + 2, 2)), np.empty(width)
     piece_loop_start = np.empty(loops, dtype=np.int64)
@@ -80,13 +82,13 @@ def build_sites(domain: Domain, smooth_angle: float, tolerances: Tolerances) -> 
     room, n_pieces = 1, -1
     while n_pieces < 0:
         room *= 4
-        cp = np.empty((points * room + 256, 3))
-        pieces_i, pieces_f = np.empty((beziers * room + 16, PI_WIDTH), dtype=np.int64), np.empty((beziers * room + 16, PF_WIDTH))
+        cp = make((points * room + 256, 3))
+        pieces_i, pieces_f = make((beziers * room + 16, PI_WIDTH), np.int64), make((beziers * room + 16, PF_WIDTH))
         n_pieces, rows = cut_edges(
             a.degree, a.cp_start, a.cp, a.knot_start, a.knots, a.loop_start, a.reversed, origin[0], origin[1], scale, rounding,
             moved, span_cp, breaks, bez_i, bez_f, bez_loop_start, cp, cp_low, pieces_i, pieces_f, piece_loop_start, table, work,
             bounds, roots)
-    si, sf = np.empty((2 * n_pieces, SI_WIDTH), dtype=np.int64), np.empty((2 * n_pieces, SF_WIDTH))
+    si, sf = make((2 * n_pieces, SI_WIDTH), np.int32), make((2 * n_pieces, SF_WIDTH))
     turns, loop_start = np.empty(n_pieces), np.empty(loops, dtype=np.int64)
     bent_back = min(smooth_angle, max(BENT_BACK, KINK * rounding))
     n = fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back, rounding, si, sf, turns,

@@ -59,6 +59,7 @@ from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.judge import JUDGE_ROWS, JUDGE_STACK
 from mat_core.kernels.judge_boxes import fill_boxes, leaf_order
 from mat_core.kernels.layout import XMAX, XMIN, YMAX, YMIN
+from mat_core.memory import maker
 from mat_core.model.domain import Domain
 from mat_core.model.edges import HIGHEST_DEGREE
 from mat_core.threads import Bounds, cut, each
@@ -231,7 +232,7 @@ def certify(
 
 def boxes_for(table: SiteTable) -> tuple[NDArray[Any], ...]:
     """`Boxes` yet to be filled."""
-    order, box = leaf_order(table.sf), np.empty((2 * len(table.sf), 6))
+    order, box = leaf_order(table.sf), maker(len(table.sf))((2 * len(table.sf), 6))
     return (
         order, box, np.empty((2, JUDGE_STACK), dtype=np.int64), np.empty((JUDGE_ROWS, 2 * HIGHEST_DEGREE + 3)),
         _binomials(2 * HIGHEST_DEGREE + 1), np.empty((HIGHEST_DEGREE + 1, 4)), np.empty((PROBES, 5)))  # fmt: skip
@@ -248,8 +249,8 @@ def _room(sites: int, discs: int, strips: int, wholes: int, nodes: int) -> tuple
     """`Room` for the numbers of STRUCTURE."""
     intervals = 2 * strips + wholes
     most = max(sites + 1, discs, strips, nodes)
-    return (np.empty(sites), np.empty(intervals), np.empty((2, intervals), dtype=np.int64),
-            np.empty((NUMBERS, most), dtype=np.int64))
+    make = maker(most)
+    return make(sites), make(intervals), make((2, intervals), np.int32), make((NUMBERS, most), np.int32)
 
 
 @functools.cache

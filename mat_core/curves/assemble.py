@@ -40,6 +40,7 @@ from mat_core.curves.pieces import (
     Pieces,
 )
 from mat_core.kernels.jit import inner, jit
+from mat_core.memory import maker
 from mat_core.model.domain import Domain
 from mat_core.topology.graph import AxisGraph
 from mat_core.topology.skeleton import Skeleton
@@ -216,12 +217,13 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
     pieces, count = fit_all(table, skeleton, graph, wanted, threads)
     degree = int(pieces.piece_i[:count, P_DEGREE].max(initial=1))
     parts = int(pieces.piece_i[count, P_PART])
+    make = maker(parts)
     out = CurveTable(
-        np.empty(runs, dtype=np.int64), np.empty(runs, dtype=np.int64),
-        np.empty(runs + 1, dtype=np.int64), np.empty(degree * count + (degree + 2) * runs),
-        np.empty(runs + 1, dtype=np.int64), np.empty((degree * count + runs, 4)),
-        np.empty(runs),
-        np.empty(runs + 1, dtype=np.int64), np.empty((parts, 4), dtype=np.int64), np.empty((parts, 4)),
+        make(runs, np.int64), make(runs, np.int64),
+        make(runs + 1, np.int64), make(degree * count + (degree + 2) * runs),
+        make(runs + 1, np.int64), make((degree * count + runs, 4)),
+        make(runs),
+        make(runs + 1, np.int64), make((parts, 4), np.int64), make((parts, 4)),
     )  # fmt: skip
     assemble_runs(graph.run_start, graph.run_strip, graph.run_forward, pieces, rounding, out)
     return CurveTable(out.degree, out.kind, out.knot_start, out.knots[: out.knot_start[-1]], out.cp_start,

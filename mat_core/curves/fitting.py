@@ -5,6 +5,8 @@ Stretches share nothing, so a part is made of whole ones and has room of its own
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from mat_core.boundary.sites import SiteTable
@@ -13,6 +15,7 @@ from mat_core.curves.pieces import NO_FIT, NO_ROOM, P_PART, P_ROW, Pieces, new_p
 from mat_core.curves.way import Track, new_scratch, new_track
 from mat_core.errors import NotCertified
 from mat_core.kernels.layout import EDGE, LOOP
+from mat_core.memory import joined_one_by_one
 from mat_core.model.edges import HIGHEST_DEGREE
 from mat_core.threads import Bounds, cut_between, each
 from mat_core.topology.graph import AxisGraph
@@ -23,20 +26,23 @@ def fit_all(
     table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float, threads: int
 ) -> tuple[Pieces, int]:
     """Pieces of all segments and their number, within a tolerance in normalised units as far as rounding lets them."""
+    made = _fit_parts(table, skeleton, graph, tolerance, threads)
+    for _, count in made:
+        if count <= NO_FIT:
+            raise _cannot_follow(table, skeleton, int(graph.run_strip[NO_FIT - count]), tolerance)
+    return made[0] if len(made) == 1 else _gathered(made)
+
+
+def _fit_parts(
+    table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float, threads: int
+) -> list[tuple[Pieces, int]]:
+    """What `_fit_part` gives for each part; the track, as large as all pieces, is let go of before they are gathered."""
     n = len(graph.run_strip)
     track = new_track(table.si, table.sf, table.cp, skeleton.disc, n)
     travel(track, skeleton.strip_i, skeleton.strip_s, graph.run_start, graph.run_strip, graph.run_forward,
            np.empty((2 * HIGHEST_DEGREE + 2, 2)))
-
-    def fit(part: Bounds) -> tuple[Pieces, int]:
-        return _fit_part(track, part, tolerance)
-
-    made = []
-    for pieces, count in each(fit, cut_between(np.flatnonzero(~track.joined), n) if n else [(0, 0)], threads):
-        if count <= NO_FIT:
-            raise _cannot_follow(table, skeleton, int(graph.run_strip[NO_FIT - count]), tolerance)
-        made.append((pieces, count))
-    return made[0] if len(made) == 1 else _gathered(made)
+    parts = cut_between(np.flatnonzero(~track.joined), n) if n else [(0, 0)]
+    return each(lambda part: _fit_part(track, part, tolerance), parts, threads)
 
 
 def _fit_part(track: Track, part: Bounds, tolerance: float) -> tuple[Pieces, int]:
@@ -78,11 +84,10 @@ def _gathered(made: list[tuple[Pieces, int]]) -> tuple[Pieces, int]:
     last, count = made[-1]
     filled.append(Pieces(last.first[-1:], last.piece_i[count : count + 1], last.piece_f[:0], last.cp[:0], last.part_i[:0],
                          last.part_f[:0]))
-    columns = list(zip(*filled, strict=True))
+    columns: list[Any] = list(zip(*filled, strict=True))
     made.clear()
     filled.clear()
-    # column by column, each let go of when it is copied: at no time is all there twice
-    return Pieces(*(np.concatenate(columns.pop(0)) for _ in Pieces._fields)), pieces
+    return Pieces(*joined_one_by_one(columns)), pieces
 
 
 def _cannot_follow(table: SiteTable, skeleton: Skeleton, strip: int, tolerance: float) -> NotCertified:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
+from mat_core.memory import maker
 from mat_core.tracing.partner import disc_beside
 
 Floats = NDArray[np.float64]
@@ -79,17 +80,18 @@ class Scratch(NamedTuple):
 
 def new_track(si: Ints, sf: Floats, cp: Floats, disc: Floats, strips: int) -> Track:
     """A track for so many strips, yet to be laid (`fit.travel`)."""
+    make = maker(strips)
     return Track(
         si,
         sf,
         cp,
         disc,
-        np.empty((strips, 4), dtype=np.int64),
-        np.empty((strips, 4)),
-        np.empty(strips, dtype=np.bool_),
-        np.empty((strips, 2), dtype=np.int64),
-        np.empty((strips, 4)),
-        np.empty((strips, 4)),
+        make((strips, 4), np.int64),
+        make((strips, 4)),
+        make(strips, np.bool_),
+        make((strips, 2), np.int64),
+        make((strips, 4)),
+        make((strips, 4)),
     )
 
 

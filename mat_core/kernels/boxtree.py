@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import CP0, DEG, FAN, KIND, LINE, X0, X1, XMAX, XMIN, Y0, Y1, YMAX, YMIN
+from mat_core.memory import maker
 
 STACK = 128  # twice the depth of a tree over 2**60 sites
 IN_LOOP_ORDER = 64  # up to so many sites are not sorted
@@ -39,7 +40,8 @@ def room_for_tree(sites: int) -> tuple[NDArray[Any], ...]:
     leaves = 1
     while leaves < sites:
         leaves *= 2
-    return (np.empty((2 * leaves, 6)), np.empty(leaves, dtype=np.int64), np.empty(sites, dtype=np.int64))
+    make = maker(sites)
+    return make((2 * leaves, 6)), make(leaves, np.int64), make(sites, np.int64)
 
 
 @inner

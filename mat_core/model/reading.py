@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mat_core.errors import Problem
 from mat_core.kernels.survey import FACTS, read_edges
+from mat_core.memory import maker
 from mat_core.model.edges import EDGE_KEYS, HIGHEST_DEGREE, Edge, read_edge
 from mat_core.model.loop import BoundaryArrays
 from mat_core.model.options import read_options
@@ -189,12 +190,13 @@ def _laid_out(
     table: NDArray[np.int64], values: NDArray[np.float64], edges: int, points: int, degrees: int, loops: int
 ) -> Gathered:
     """The arrays of what `mat_core.kernels.survey` takes; `degrees`: their sum."""
+    make = maker(edges)
     arrays = BoundaryArrays(
-        np.empty(edges, dtype=np.int64),
-        np.empty(edges + 1, dtype=np.int64),
-        np.empty((points, 3)),
-        np.empty(edges + 1, dtype=np.int64),
-        np.empty(points + degrees + edges),
+        make(edges, np.int64),
+        make(edges + 1, np.int64),
+        make((points, 3)),
+        make(edges + 1, np.int64),
+        make(points + degrees + edges),
         np.empty(loops + 1, dtype=np.int64),
         np.zeros(loops, dtype=np.bool_),
     )

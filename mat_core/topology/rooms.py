@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mat_core.memory import maker
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Arrays = tuple[NDArray[Any], ...]
@@ -130,21 +132,23 @@ class Listed(NamedTuple):
 
 def numbers(*shape: int) -> Ints:
     """An array of integers yet to be filled."""
-    return np.empty(shape, dtype=np.int64)
+    return maker(shape[-1])(shape, np.int64)
 
 
 def room_for_discs(sites: int, loops: int) -> Arrays:
     """`Room` for a disc a joint, and one a loop to connect them."""
     discs, contacts = sites + loops, 2 * (sites + loops)
-    return (np.empty((discs, 3)), numbers(8, discs), np.empty((5, discs)), numbers(6, contacts), np.empty((2, contacts)),
-            numbers(4, loops), np.empty((7, loops)), np.empty((discs, 8)))
+    make = maker(sites)
+    return (make((discs, 3)), make((8, discs), np.int64), make((5, discs)), make((6, contacts), np.int64), make((2, contacts)),
+            make((4, loops), np.int64), make((7, loops)), make((discs, 8)))
 
 
 def room_for_found(sites: int, loops: int) -> Arrays:
     """`Found` as large as it can be."""
     discs, contacts = sites + loops, 2 * (sites + loops)
-    return (np.empty((discs, 3)), numbers(discs), numbers(contacts), np.empty(contacts), numbers(contacts), np.empty(contacts),
-            np.empty(contacts), numbers(contacts))
+    make = maker(sites)
+    return (make((discs, 3)), make(discs, np.int64), make(contacts, np.int64), make(contacts), make(contacts, np.int64),
+            make(contacts), make(contacts), make(contacts, np.int64))
 
 
 def room_for_faces(arcs: int, contacts: int) -> Arrays:
@@ -158,4 +162,6 @@ def room_for_faces(arcs: int, contacts: int) -> Arrays:
 
 def room_for_lists(discs: int, contacts: int) -> Arrays:
     """`Listed` for so many discs and contacts."""
-    return numbers(discs + 1), numbers(contacts), np.empty(contacts), numbers(discs), numbers(2, contacts)
+    make = maker(contacts)
+    return (make(discs + 1, np.int64), make(contacts, np.int64), make(contacts), make(discs, np.int64),
+            make((2, contacts), np.int64))

@@ -14,6 +14,7 @@ from mat_core.boundary.sites import SiteTable
 from mat_core.errors import NotCertified
 from mat_core.kernels.boxtree import STACK
 from mat_core.kernels.curve import evaluate
+from mat_core.memory import joined, joined_one_by_one, maker
 from mat_core.threads import Bounds, cut, cut_between, each
 from mat_core.topology.branches import LINK, LIST, SOLVE, solve_faces
 from mat_core.topology.discs import NOT_EULER, OK
@@ -91,7 +92,7 @@ _NO_LISTS = room_for_lists(0, 0)
 def solve_all(t: SiteTable, tree: Arrays, found: Arrays, discs: int, contacts: int, tie: float, threads: int) -> Skeleton:
     """All discs, contacts, strips and whole arcs, from discs told apart and their contacts."""
     faces = 1 - (len(t.loop_start) - 2) + contacts - discs
-    disc = np.empty((discs + 2 * contacts, 3))
+    disc = maker(contacts)((discs + 2 * contacts, 3))
     disc[:discs] = found[0][:discs]
     task = _Task(t, tree, tie, faces, found, disc, discs)
     if len(cut(contacts)) > 1:
@@ -121,7 +122,9 @@ def _solve_in_parts(task: _Task, discs: int, contacts: int, threads: int) -> Ske
 def _solve_parts(task: _Task, discs: int, contacts: int, threads: int) -> list[Part]:
     """What was known before, and what each part gives."""
     room = FaceRoom(*room_for_faces(0, contacts))
-    room = room._replace(face_start=numbers(contacts + 1), stack_i=numbers(contacts, 2), stack_f=np.empty((contacts, 2)))
+    make = maker(contacts)
+    room = room._replace(
+        face_start=make(contacts + 1, np.int64), stack_i=make((contacts, 2), np.int64), stack_f=make((contacts, 2)))
     task.run(LINK, numbers(5, max(discs + 1, contacts)), room, _NO_LISTS, task.faces, task.disc, discs, contacts)
     known = Part.of(discs, task.disc, room, Counts(discs, contacts, 0, 0, task.faces))
     parts = cut_between(room.face_start[: task.faces], contacts)
@@ -150,9 +153,12 @@ def _gathered(task: _Task, every: list[Part]) -> tuple[Any, FaceRoom, Counts]:
         for discs_of in (part.contact_i[DISC_OF], part.strip_i[:, 2:], part.whole_i[:, 1:]):
             discs_of[discs_of >= task.known] += discs - part.begin
         discs += len(part.disc)
-    disc = np.concatenate([task.disc[: task.known], *(part.disc for part in made)])
-    contact_i = np.concatenate([part.contact_i for part in every], axis=1)
-    room = FaceRoom(*room_for_faces(0, 0))._replace(contact_i=contact_i)
-    columns = ("contact_s", "strip_i", "strip_s", "whole_i", "whole_s")
-    room = room._replace(**{name: np.concatenate([getattr(part, name) for part in every]) for name in columns})
+    disc = joined([task.disc[: task.known], *(part.disc for part in made)])
+    contact_i = joined([part.contact_i for part in every], axis=1)
+    names = ("contact_s", "strip_i", "strip_s", "whole_i", "whole_s")
+    columns: list[Any] = [[getattr(part, name) for part in every] for name in names]
+    made.clear()
+    every.clear()
+    found = dict(zip(names, joined_one_by_one(columns), strict=True))
+    room = FaceRoom(*room_for_faces(0, 0))._replace(contact_i=contact_i, **found)
     return disc, room, Counts(discs, len(room.contact_s), len(room.strip_i), len(room.whole_i), task.faces)
