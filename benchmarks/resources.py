@@ -104,7 +104,8 @@ def _python(*arguments: str, **variables: str) -> str:
 
 
 def tables(memories: list[Memory], first: FirstUse) -> list[str]:
-    lines = [f"| domain | edges | before, MB | domain read, MB | largest, MB | solving, KB an edge | beyond {BASE:.0f} MB, KB an edge |"]
+    beyond = f"beyond {BASE:.0f} MB, KB an edge"
+    lines = [f"| domain | edges | before, MB | domain read, MB | largest, MB | solving, KB an edge | {beyond} |"]
     lines.append("|---|" + "---:|" * 6)
     for m in memories:
         megabytes = f"{m.before:.0f} | {m.read:.0f} | {m.peak:.0f}"

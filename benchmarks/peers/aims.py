@@ -87,7 +87,8 @@ def quick(aim: str, rows: Iterable[Row], most: float, of_all: Callable[[Iterable
 
 def small(memory: Memory) -> Reached:
     figure = f"{memory.whole:.2f} KB, {memory.solving:.2f} KB of it for solving"
-    return Reached(f"memory of {memory.edges:,} edges, {memory.name}: under 2 KB an edge beyond 100 MB", figure, memory.whole < 2.0)
+    aim = f"memory of {memory.edges:,} edges, {memory.name}: under 2 KB an edge beyond 100 MB"
+    return Reached(aim, figure, memory.whole < 2.0)
 
 
 def growing(family: Family) -> Reached:
