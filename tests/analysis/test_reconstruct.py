@@ -128,6 +128,21 @@ def test_a_domain_comes_back_at_any_tolerance(name: str, tolerance: float) -> No
     assert rebuilt.distance <= FARTHEST * tolerance * axis.domain.size
 
 
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-9, 1e-10])
+def test_a_corner_is_placed_by_the_discs_of_all_sides_that_meet_in_it(tolerance: float) -> None:
+    """Three sides in a row are the corner at (8.76, 39.2); the discs of the last one turn about it by next to nothing."""
+    chains: list[list[tuple[float, float]]] = [
+        [(-5, 15.2), (0.92, 15.2), (6.04, 18.4), (8.76, 23.2)], [(8.76, 23.2), (43, 23.2)], [(43, 23.2), (43, -47.2)],
+        [(43, -47.2), (59, -63.2)], [(59, -63.2), (59, 23.2)], [(59, 23.2), (59, 32.08), (51.88, 39.2), (43, 39.2)],
+        [(43, 39.2), (8.76, 39.2)], [(8.76, 39.2), (6.04, 43.92), (0.92, 47.2), (-5, 47.2)],
+        [(-5, 47.2), (-5, 56), (-12.2, 63.2), (-21, 63.2)], [(-21, 63.2), (-45, 63.2)],
+        [(-45, 63.2), (-51.08, 63.2), (-56.28, 59.76), (-59, 54.8)], [(-59, 54.8), (-9, 4.8)],
+        [(-9, 4.8), (-6.52, 7.6), (-5, 11.2), (-5, 15.2)],
+    ]  # fmt: skip
+    axis = solve({"outer": [{"degree": len(c) - 1, "control_points": c} for c in chains]}, tolerance)
+    assert reconstruct(axis).distance <= FARTHEST * tolerance * axis.domain.size
+
+
 @pytest.mark.parametrize("index", range(0, 40, 2))
 def test_outlines(index: int) -> None:
     rows = outlines()
