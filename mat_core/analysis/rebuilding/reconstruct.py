@@ -1,9 +1,8 @@
 """The boundary again, from the medial axis and its radius alone.
 
 1. Each segment gives two curves, the envelope of its discs on the right and on the left (`envelope`).
-2. Round a node the right side of an arriving segment goes on as the right side of the next one anticlockwise; at a leaf,
-   as the segment's own other side.
-   A side that errors turn back along itself is cut to what runs ahead (`folds`).
+2. Sides follow each other in the order of the boundary (`walk`).
+   One that errors turn back along itself is cut to what runs ahead (`folds`).
 3. Where the two do not meet the disc itself lies between them, a contact along an arc: it is put in. The gap is the angle
    between both segments less their sides' own, so that also arcs of more than half a turn are told from none.
 4. Where errors have made a loop cross itself, what runs round in between is cut out (`untangling`).
@@ -15,7 +14,6 @@ Nothing is taken from the boundary but for that comparison.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -29,12 +27,12 @@ from mat_core.analysis.rebuilding.distance import farthest, pieces_of
 from mat_core.analysis.rebuilding.envelope import Envelope
 from mat_core.analysis.rebuilding.folds import follow, forward
 from mat_core.analysis.rebuilding.untangling import untangled
+from mat_core.analysis.rebuilding.walk import Side, Walk
 from mat_core.axis import MedialAxis
 from mat_core.errors import NotCertified
 from mat_core.model.curve import RationalBSpline
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FIT_SHARE = 0.1  # of the axis's tolerance, for the curves of the boundary
 SNAP = 1e-9  # normalised: a shorter arc is rounding of e, which moves along the boundary only
@@ -85,13 +83,6 @@ class Reconstruction:
             "from_boundary": self.from_boundary,
             "area": self.area,
         }
-
-
-class _Side(NamedTuple):
-    """One side of one item, in the direction of the boundary: +1 the right side along t, -1 the left side against it."""
-
-    item: int
-    sense: int
 
 
 class _Gap(NamedTuple):
@@ -173,66 +164,17 @@ def _arc_about(disc: Floats, begin: Floats, turn: float) -> RationalBSpline:
 
 
 class _Rebuilder:
-    """Steps 1 to 3 for one axis, normalised."""
+    """Steps 1 and 3 for one axis, normalised."""
 
     def __init__(self, axis: MedialAxis, tolerance: float) -> None:
         self.axis = axis
         self.envelope = Envelope(axis, tolerance)
-        owner = axis.curves.part_segment[self.envelope.items.piece]
-        self.first = np.searchsorted(owner, np.arange(len(axis.segments) + 1)).tolist()
 
     def loops(self) -> list[list[RationalBSpline]]:
         """All loops of the boundary."""
-        return [self._draw(chain) for chain in self._chains()]
+        return [self._draw(chain) for chain in Walk(self.axis, self.envelope).chains()]
 
-    def _chains(self) -> Iterator[list[_Side]]:
-        """Step 2: sides in the order of the boundary, one list a loop."""
-        following = self._turn_round()
-        waiting = dict.fromkeys(following)
-        while waiting:
-            start = half = next(iter(waiting))
-            chain: list[_Side] = []
-            while True:
-                del waiting[half]
-                segment, sense = half
-                items = range(self.first[segment], self.first[segment + 1])
-                chain += [_Side(i, sense) for i in (items if sense > 0 else reversed(items))]
-                half = following[half]
-                if half == start:
-                    break
-            if not chain:
-                raise NotCertified("reconstruct: the axis round a hole is shorter than its errors; ask for a finer tolerance")
-            yield chain
-
-    def _turn_round(self) -> dict[tuple[int, int], tuple[int, int]]:
-        """For each side (segment, sense) the next one."""
-        runs = self.axis.runs
-        at_node: dict[int, list[tuple[float, tuple[int, int]]]] = {}
-        following: dict[tuple[int, int], tuple[int, int]] = {}
-        for g, (a, b) in enumerate(zip(runs.start_node.tolist(), runs.end_node.tolist(), strict=True)):
-            if a < 0:
-                following[g, 1], following[g, -1] = (g, 1), (g, -1)
-                continue
-            for node, d, sense in ((a, self._away(g, 0), 1), (b, self._away(g, 1), -1)):
-                at_node.setdefault(node, []).append((math.atan2(d[1], d[0]), (g, sense)))
-        for leaving in at_node.values():
-            leaving.sort()
-            for (_, (segment, sense)), (_, after) in zip(leaving, leaving[1:] + leaving[:1], strict=True):
-                following[segment, -sense] = after
-        return following
-
-    def _away(self, segment: int, end: int) -> Floats:
-        """Where a segment goes from its start (0) or its end (1)."""
-        items = range(self.first[segment], self.first[segment + 1])
-        if items:
-            forward = self.envelope.ends.forward[items[-end], end]
-        else:
-            # one that is shorter than its errors has no sides; it still parts those of the others
-            forward = self.axis.evaluate(np.array([segment]), np.array([float(end)]))[0, 3:5]
-        away: Floats = -forward if end else forward
-        return away
-
-    def _gap(self, a: _Side, b: _Side) -> _Gap:
+    def _gap(self, a: Side, b: Side) -> _Gap:
         """Step 3: what lies between the end of side a and the start of side b, at one disc."""
         ends = self.envelope.ends
         i, j = (1 if a.sense > 0 else 0), (0 if b.sense > 0 else 1)
@@ -247,7 +189,7 @@ class _Rebuilder:
         own_b = angle_b if b.sense > 0 else math.pi - angle_b
         return _Gap(between - own_a - own_b, 0.5 * (ends.disc[a.item, i] + ends.disc[b.item, j]))
 
-    def _controls(self, side: _Side) -> list[Floats]:
+    def _controls(self, side: Side) -> list[Floats]:
         """Beziers of one side, in the direction of the boundary; none where all of it runs back."""
         fits = self.envelope.right if side.sense > 0 else self.envelope.left
         rows = fits.of(side.item)
@@ -255,7 +197,7 @@ class _Rebuilder:
                          lambda v: self.envelope.headings(side.item, v, float(side.sense)))
         return pieces if side.sense > 0 else [piece[::-1].copy() for piece in reversed(pieces)]
 
-    def _vertex(self, side: _Side) -> Vertex | None:
+    def _vertex(self, side: Side) -> Vertex | None:
         """The point that all discs of an item pass through on one side, if there is one.
 
         Errors of e move p across such a point to first order, so it is found from centres and radii: |c - V| = r.
@@ -272,25 +214,25 @@ class _Rebuilder:
         misses = np.abs(np.hypot(*(vertex - discs[:, :2]).T) - discs[:, 2])
         return Vertex(vertex, discs) if misses.max() <= POINT * float(self.axis.curves.max_error.max()) else None
 
-    def _heading(self, side: _Side) -> Floats:
+    def _heading(self, side: Side) -> Floats:
         """Where the boundary goes at the start of a side."""
         start = np.array([0.0 if side.sense > 0 else 1.0])
         heading: Floats = side.sense * self.envelope.headings(side.item, start, float(side.sense))[0]
         return heading
 
-    def _middle(self, side: _Side) -> Vertex:
+    def _middle(self, side: Side) -> Vertex:
         """Between the ends of a side that runs back as a whole: its neighbours meet there."""
         fits = self.envelope.right if side.sense > 0 else self.envelope.left
         control = fits.control[fits.of(side.item)]
         return Vertex(0.5 * (control[0, 0] + control[-1, -1]), np.empty((0, 3)))
 
-    def _from_widest_gap(self, chain: list[_Side]) -> tuple[list[_Side], list[_Gap]]:
+    def _from_widest_gap(self, chain: list[Side]) -> tuple[list[Side], list[_Gap]]:
         """The chain from behind its widest gap on, where nothing overlaps, with the gap after each side."""
         gaps = [self._gap(side, after) for side, after in zip(chain, chain[1:] + chain[:1], strict=True)]
         first = 1 + max(range(len(chain)), key=lambda i: gaps[i].turn * gaps[i].disc[2])
         return chain[first:] + chain[:first], gaps[first:] + gaps[:first]
 
-    def _draw(self, chain: list[_Side]) -> list[RationalBSpline]:
+    def _draw(self, chain: list[Side]) -> list[RationalBSpline]:
         """One loop of curves, ends joined."""
         chain, gaps = self._from_widest_gap(chain)
         edges: list[Part] = []
