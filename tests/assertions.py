@@ -33,6 +33,8 @@ UNSEEN_DEPTH = 1e-13  # nor is this seen, from such a corner to a disc that touc
 EXACT = 1e-9  # accuracy asked of nodes and of exact conics
 ONE_DISC = 2e-12  # a node may stand for several that are as near to each other
 ONE_PLACE = 1e-10  # contacts no farther apart than this are one
+ONE_BY_ROUNDING = 1e-14  # so are these, where the boundary does not follow the disc and a minimum is well placed
+ONE_BY_SLACK = 1e-8  # and these, of the radius: so far beside a cell's end the distance grows by no more than `true_minima` tells
 SEEN = 1e-3  # of the radius of a disc: contacts are no nearer to each other, nor is what touches farther from it
 NAMED = 2  # units of a parameter's last place by which a footpoint's may be off
 EXACT_KINDS = ("line", "parabola", "hyperbola", "ellipse")
@@ -258,8 +260,12 @@ def check_discs(report: Report, answer: Answer, reference: Reference, tolerance:
     anchor = np.zeros_like(center)
     anchor[found.query] = found.point
     np.maximum.at(spread, found.query, np.linalg.norm(found.point - anchor[found.query], axis=1))
-    # where a minimum lies is known to 1e-16 / (1 - k r): two contacts of a tight bend may be as near as this
-    lonely = np.nonzero(spread <= np.minimum(ONE_PLACE, 0.01 * radius))[0]
+    # where a minimum lies is known to 1e-16 / (1 - k r): two contacts of a tight bend, or beside a faint corner, may be near
+    follows = np.zeros(len(center))
+    bend = np.nan_to_num(reference.at(found.cell, found.s)[2], nan=math.inf) * radius[found.query]
+    np.maximum.at(follows, found.query, np.clip(bend, 0.0, 1.0))
+    blur = ONE_BY_SLACK * radius + ONE_BY_ROUNDING / np.maximum(1.0 - follows, ONE_BY_ROUNDING) + 10.0 * reference.floor
+    lonely = np.nonzero(spread <= np.minimum(np.minimum(ONE_PLACE, 0.01 * radius), blur))[0]
     excuse = _leaf_nearness(reference, center, radius, error, touching)
     lonely = lonely[~excuse[lonely]]
     # a branch into a corner that is too flat to see touches both its sides nearly at the corner itself
