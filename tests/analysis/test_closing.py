@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mat_core.analysis.rebuilding.closing import Part, closed
+from mat_core.analysis.rebuilding.closing import Part, Vertex, closed
 
 SQUARE = np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
@@ -18,6 +18,6 @@ def test_a_slow_start_is_not_led_back_past_where_it_turns(start_leg: float, apar
     vertex = np.array([-apart, 0.0])
     last = np.linspace(SQUARE[-1], [0.0, 0.0], 4)
     curves = closed([Part([bottom], None, None), *(Part([side], None, None) for side in rest), Part([last], None, None),
-                     Part([], None, vertex)])
+                     Part([], None, Vertex(vertex, np.empty((0, 3))))])
     assert curves[0].control_points[0].tolist() == vertex.tolist()
     assert (np.diff(curves[0].control_points[:, 0]) > 0.0).all()

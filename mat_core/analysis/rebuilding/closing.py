@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.analysis.fitting import join
+from mat_core.analysis.rebuilding.folds import split
 from mat_core.model.curve import RationalBSpline
 
 Floats = NDArray[np.float64]
@@ -16,6 +17,7 @@ Floats = NDArray[np.float64]
 LONGEST_LEAD = 0.5  # of a Bezier's parameter: how far its end may be led along itself
 ILL_POSED = 1e-3  # directions told apart less than this, relative, do not move a vertex
 GAUSS_STEPS = 3
+NEWTON_STEPS = 4  # to the point of a Bezier nearest to a place, which is hardly farther from it than from its end
 
 
 class Vertex(NamedTuple):
@@ -95,14 +97,16 @@ def _led_to(control: Floats, place: Floats) -> Floats:
 
     A slow end drawn out could turn round beyond where it ends; then, as where the place is far, the Bezier stays as it is.
     """
-    leave = (len(control) - 1) * (control[-1] - control[-2])
-    speed_sq = float(leave @ leave)
-    more = float((place - control[-1]) @ leave) / speed_sq if speed_sq > 0.0 else 0.0
-    if not 0.0 < abs(more) < LONGEST_LEAD:
-        return control
-    out = control.copy()
-    row = control
-    for i in range(1, len(control)):
-        row = row[:-1] + (1.0 + more) * (row[1:] - row[:-1])
-        out[i] = row[0]
-    return out if float((out[-1] - out[-2]) @ leave) > 0.0 else control
+    leave = control[-1] - control[-2]
+    led, at = control, 1.0
+    for _ in range(NEWTON_STEPS):
+        rate = (len(led) - 1) * (led[-1] - led[-2])  # by the led one's own parameter, of which 1 is `at`
+        speed_sq = float(rate @ rate)
+        more = float((place - led[-1]) @ rate) / speed_sq if speed_sq > 0.0 else 0.0
+        if more == 0.0:
+            break
+        at *= 1.0 + more
+        if not abs(at - 1.0) < LONGEST_LEAD:
+            return control
+        led = split(control, at)[0]
+    return led if float((led[-1] - led[-2]) @ leave) > 0.0 else control

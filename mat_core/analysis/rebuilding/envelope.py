@@ -4,14 +4,20 @@ A disc (c, r)(t) of the family touches its envelope at p = c + r e, where the di
 its derivative, c'.e + r' = 0:
 
     e = (-r' c' + s sqrt(Q) R) / |c'|^2,    Q = |c'|^2 - r'^2,    R = (c'_y, -c'_x),    s = +1 right, -1 left side
-    p' = (s sqrt(Q) - r (c''.e + r'') / (s sqrt(Q))) J e                  J: turned left by 90 degrees
 
       p right         An error of the axis of size eps moves p by eps along its normal; that of its derivative turns e,
        \  e           which moves p along the boundary only. So p is as far from the boundary as the axis and the radius
         c --> c'      are from theirs, whatever sqrt(Q) does.
 
+So e is c' turned by psi = atan2(sqrt(Q), -r'), to the right or to the left, and its angle changes at the rate
+
+    w = (c' x c'') / |c'|^2 - s psi',   psi' = (sqrt(Q) r'' - r' Q' / (2 sqrt(Q))) / (r'^2 + Q),   p' = c' + r' e + w r J e
+
+with J: turned left by 90 degrees.
+
 At a centre of curvature Q = 0: both sides start in one point and p moves like sqrt(t). There, Q = t Qhat is divided by t
-in its Bernstein form, and t = v^2 makes everything smooth again.
+in its Bernstein form, and t = v^2 makes everything smooth again. What errors of the axis leave of Q there is dropped; as Q
+then only turns e, p stays on its disc.
 
 The formulas are those of R. T. Farouki and J. K. Johnstone, "The bisector of a point and a plane parametric curve",
 CAGD 11 (1994), and H. I. Choi, C. Y. Han, H. P. Moon, K. H. Roh, N.-S. Wee, "Medial axis transform and offset curves by
@@ -80,7 +86,7 @@ class Envelope:
         self.items = self._cut()
         n = len(self.items.piece)
         both = np.repeat(np.arange(n), 2), np.tile([0.0, 1.0], n)
-        x, d, _, root, _ = self._frames(*both)
+        x, d, _, root, _, _ = self._frames(*both)
         size = np.hypot(d[:, 0], d[:, 1])
         self.ends = Ends(x.reshape(n, 2, 3), (d[:, :2] / size[:, None]).reshape(n, 2, 2),
                          np.arctan2(root, -d[:, 2]).reshape(n, 2))
@@ -94,7 +100,7 @@ class Envelope:
 
     def headings(self, item: int, v: Floats, side: float) -> Floats:
         """Where the boundary goes on one side, in the direction of t: unit vectors (n, 2) at v of an item."""
-        _, d, _, root, _ = self._frames(np.full(len(v), item), v)
+        _, d, _, root, _, _ = self._frames(np.full(len(v), item), v)
         e = _normals(d, root, side)
         return side * np.column_stack((-e[:, 1], e[:, 0]))
 
@@ -168,8 +174,8 @@ class Envelope:
         self.q = out
         return out
 
-    def _frames(self, item: Ints, v: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """(X, dX, d2X by t; sqrt(Q); sqrt(Q) / (dt/dv)) at v of items; the last is finite at a centre of curvature."""
+    def _frames(self, item: Ints, v: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
+        """(X, dX, d2X by t; sqrt(Q); sqrt(Q) / (dt/dv); dQ/dt) at v of items; the fifth is finite at a centre of curvature."""
         mode = self.items.mode[item]
         width = (self.items.t1 - self.items.t0)[item]
         # the share of the item that lies behind, from a centre of curvature as a square
@@ -179,20 +185,22 @@ class Envelope:
         piece = self.items.piece[item]
         x, d, dd = self._evaluate(piece, t)
         root = np.sqrt(np.maximum(d[:, 0] ** 2 + d[:, 1] ** 2 - d[:, 2] ** 2, 0.0))
+        rise = 2.0 * (d[:, 0] * dd[:, 0] + d[:, 1] * dd[:, 1] - d[:, 2] * dd[:, 2])
         ratio = root / width
         for n in np.flatnonzero(mode != PLAIN).tolist():
             # sqrt(Q) = sqrt(t) sqrt(Qhat), t = width v^2, dt/dv = 2 v width
-            hat = self._divided(int(piece[n]), float(t[n]), bool(mode[n] == FROM_END))
+            hat, rise[n] = self._divided(int(piece[n]), float(t[n]), bool(mode[n] == FROM_END))
             root[n] = ahead[n] * math.sqrt(width[n] * hat)
             ratio[n] = math.sqrt(hat / width[n]) / 2.0
-        return x, d, dd, root, ratio
+        return x, d, dd, root, ratio, rise
 
-    def _divided(self, piece: int, t: float, from_end: bool) -> float:
-        """Q over the distance of t from the end where Q is 0: sum over j of B_j(t) m / (j + 1) q_(j+1), m = 2 (n - 1)."""
+    def _divided(self, piece: int, t: float, from_end: bool) -> tuple[float, float]:
+        """Q over the distance of t from the end where Q is 0, sum over j of B_j(t) m / (j + 1) q_(j+1), m = 2 (n - 1); dQ/dt."""
         q = self.q[piece][::-1] if from_end else self.q[piece]
         m = len(q) - 1
-        at = np.array([1.0 - t if from_end else t])
-        return max(float(bernstein(m - 1, at)[0] @ (q[1:] * m / np.arange(1, m + 1))), 0.0)
+        basis = bernstein(m - 1, np.array([1.0 - t if from_end else t]))[0]
+        rise = m * float(basis @ np.diff(np.concatenate(([0.0], q[1:]))))
+        return max(float(basis @ (q[1:] * m / np.arange(1, m + 1))), 0.0), -rise if from_end else rise
 
     def _evaluate(self, piece: Ints, t: Floats) -> tuple[Floats, Floats, Floats]:
         """X = (x, y, r) and two derivatives at t of pieces."""
@@ -213,23 +221,26 @@ class Envelope:
 
     def _side(self, item: Ints, v: Floats, side: float) -> tuple[Floats, Floats]:
         """p and dp/dv on one side."""
-        x, d, dd, root, ratio = self._frames(item, v)
+        x, d, dd, root, ratio, rise = self._frames(item, v)
         e = _normals(d, root, side)
         mode = self.items.mode[item]
         ahead = np.where(mode == FROM_END, 1.0 - v, v)
         width = (self.items.t1 - self.items.t0)[item]
         rate = np.where(mode == PLAIN, width, 2.0 * ahead * width)
-        bend = (dd[:, :2] * e).sum(axis=1) + dd[:, 2]
+        speed_sq = d[:, 0] ** 2 + d[:, 1] ** 2
         # sides that part like t, not like sqrt(t), do not move with v^2 at first
-        swing = np.divide(bend, ratio, out=np.zeros_like(bend), where=ratio > 0.0)
-        along = side * (root * rate - x[:, 2] * swing)
-        return x[:, :2] + x[:, 2:] * e, along[:, None] * np.column_stack((-e[:, 1], e[:, 0]))
+        opening = np.divide(0.5 * rise, ratio, out=np.zeros_like(rise), where=ratio > 0.0)
+        psi = (root * dd[:, 2] * rate - d[:, 2] * opening) / (d[:, 2] ** 2 + root**2)
+        turn = (d[:, 0] * dd[:, 1] - d[:, 1] * dd[:, 0]) / speed_sq * rate - side * psi
+        along = (d[:, :2] + d[:, 2:] * e) * rate[:, None] + (turn * x[:, 2])[:, None] * np.column_stack((-e[:, 1], e[:, 0]))
+        return x[:, :2] + x[:, 2:] * e, along
 
 
 def _normals(d: Floats, root: Floats, side: float) -> Floats:
     """e on one side."""
     right = np.column_stack((d[:, 1], -d[:, 0]))
-    e: Floats = (-d[:, 2:] * d[:, :2] + (side * root)[:, None] * right) / (d[:, 0] ** 2 + d[:, 1] ** 2)[:, None]
+    speed = np.hypot(d[:, 0], d[:, 1]) * np.hypot(d[:, 2], root)  # |c'|^2, but for what is dropped of Q
+    e: Floats = (-d[:, 2:] * d[:, :2] + (side * root)[:, None] * right) / speed[:, None]
     return e
 
 
