@@ -210,9 +210,29 @@ class _Rebuilder:
         if np.abs(control - control[0]).max() > NEARLY_POINT * turn * float(ends.disc[side.item, :, 2].max()):
             return None
         discs = self.envelope.discs(side.item)
-        vertex = common_point(control.mean(axis=0), discs)
-        misses = np.abs(np.hypot(*(vertex - discs[:, :2]).T) - discs[:, 2])
-        return Vertex(vertex, discs) if misses.max() <= POINT * float(self.axis.curves.max_error.max()) else None
+        return self._met(control.mean(axis=0), discs)
+
+    def _met(self, start: Floats, discs: Floats) -> Vertex | None:
+        """The point near `start` that all of some discs pass through, if there is one but for errors."""
+        place = common_point(start, discs)
+        misses = np.abs(np.hypot(*(place - discs[:, :2]).T) - discs[:, 2])
+        return Vertex(place, discs) if misses.max() <= POINT * float(self.axis.curves.max_error.max()) else None
+
+    def _vertices(self, chain: list[Side], controls: list[list[Floats]], gaps: list[_Gap]) -> list[Vertex | None]:
+        """For each side the vertex that it is, if it is one. In a row they are if one point is: tiny sides of a curve are not."""
+        found: list[Vertex | None] = []
+        row: Vertex | None = None
+        for side, control, gap in zip(chain, controls, gaps, strict=True):
+            own = self._vertex(side) if control else self._middle(side)
+            if own is not None and len(own.discs):
+                row = own if row is None else self._met(row.place, np.concatenate((row.discs, own.discs)))
+                own = own if row is not None else None
+            elif own is None:
+                row = None
+            found.append(own)
+            if gap.turn * gap.disc[2] > SNAP:
+                row = None
+        return found
 
     def _heading(self, side: Side) -> Floats:
         """Where the boundary goes at the start of a side."""
@@ -238,7 +258,7 @@ class _Rebuilder:
         edges: list[Part] = []
         smooth = False
         controls = [self._controls(side) for side in chain]
-        vertices = [self._vertex(side) if control else self._middle(side) for side, control in zip(chain, controls, strict=True)]
+        vertices = self._vertices(chain, controls, gaps)
         for i, (side, vertex, gap) in enumerate(zip(chain, vertices, gaps, strict=True)):
             if vertex is not None:
                 edges.append(Part([], None, vertex))
