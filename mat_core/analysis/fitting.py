@@ -33,6 +33,7 @@ ROUNDS = 20  # of halving: intervals of 1e-6 of their curve are not halved any m
 WAITING = 64  # intervals waiting for each curve on average at which halving ends: these are not smooth
 SLOW = 0.02  # an end with a leg this short, relative to the chord, has no speed; a straight cubic's has 0.33
 NOISE = 1e-13  # an error this small is never halved away
+CROSS_NOISE = 1e-11  # an error across the curve that may be of rounding
 STALLED = 0.25  # of what it was, and more: what halving a piece leaves of an error of rounding
 ROUNDING = 4e-16  # no stated error is less
 NODES = {2: (0.18225, 0.337294, 0.5), 4: (0.09825, 0.186439, 0.2845, 0.390292, 0.5)}  # checks and nodes in turn, to the middle
@@ -63,8 +64,8 @@ def bernstein(degree: int, v: Floats) -> Floats:
 
 
 @cache
-def _scheme(m: int) -> tuple[Floats, Floats, Floats]:
-    """(places of samples, matrix from [P0, D0, samples at nodes, D1, P1] to Bernstein coefficients, basis at the checks)."""
+def _scheme(m: int) -> tuple[Floats, Floats, Floats, Floats]:
+    """(places, matrix from [P0, D0, samples at nodes, D1, P1] to Bernstein coefficients; basis at checks, and slope)."""
     half = NODES[m]
     inner = np.array([*half, *(1.0 - f for f in half[-2::-1])])
     nodes = inner[1::2]
@@ -76,11 +77,12 @@ def _scheme(m: int) -> tuple[Floats, Floats, Floats]:
     rows[-2, -2:] = -n, n
     rows[2:-2] = bernstein(n, nodes)
     matrix = np.asarray(np.linalg.inv(rows), dtype=np.float64)
-    return np.concatenate((nodes, checks)), matrix, bernstein(n, checks)
+    slope = np.diff(np.pad(bernstein(n - 1, checks), ((0, 0), (1, 1))), axis=1) * -n
+    return np.concatenate((nodes, checks)), matrix, bernstein(n, checks), slope
 
 
 def fit(
-    points: Curves, derivatives: Curves, curves: int, tolerance: float, regular: bool = False, noise: float = 1e-11,
+    points: Curves, derivatives: Curves, curves: int, tolerance: float, regular: bool = False, noise: float = CROSS_NOISE,
     bound: Bound | None = None,
 ) -> Fits:
     """Fit the curves P_i(v), v in [0, 1], for i in range(curves).
@@ -95,7 +97,8 @@ def fit(
     regular : bool
         Where a curve begins or ends without speed, the fit does not: its last bit, shorter than the tolerance, is straight.
     noise : float
-        Errors up to this are not chased when halving does not make them smaller.
+        Errors up to this are not chased when halving does not make them smaller, but for those across the curve, which are from
+        CROSS_NOISE on.
     bound : callable, optional
         Bounds of the errors of fits that are near enough where they were measured; what it gives is stated, and must do.
 
@@ -111,12 +114,12 @@ def fit(
     for remaining in range(ROUNDS, -1, -1):
         if not len(item):
             break
-        control, error = _interpolate(points, derivatives, item, lo, hi, m)
+        control, error, across = _interpolate(points, derivatives, item, lo, hi, m)
         good = error <= tolerance
         if regular:
             _straighten(control, error, good, tolerance)
         # halving helps no more: what is left is the rounding of the points themselves
-        stalled = (error <= noise) & (error >= STALLED * before)
+        stalled = (error <= noise) & (across <= max(tolerance, CROSS_NOISE)) & (error >= STALLED * before)
         ended = remaining == 0 or len(item) > WAITING * (curves + 1)
         good |= stalled | ended
         if bound is not None and good.any():
@@ -143,9 +146,9 @@ def _in_order(done: list[tuple[Ints, Floats, Floats, Floats]]) -> Fits:
 
 def _interpolate(
     points: Curves, derivatives: Curves, item: Ints, lo: Floats, hi: Floats, m: int
-) -> tuple[Floats, Floats]:
-    """Bezier control points (K, m + 4, 2) of all intervals lo .. hi, and their measured errors (K,)."""
-    places, matrix, basis = _scheme(m)
+) -> tuple[Floats, Floats, Floats]:
+    """Bezier control points (K, m + 4, 2) of all intervals lo .. hi, their measured errors (K,), and these across the curve."""
+    places, matrix, basis, slope = _scheme(m)
     v = lo[:, None] + (hi - lo)[:, None] * np.concatenate(([0.0], places, [1.0]))
     v[:, -1] = hi
     found = points(np.repeat(item, v.shape[1]), v.reshape(-1)).reshape(*v.shape, 2)
@@ -158,7 +161,10 @@ def _interpolate(
     control[:, :1], control[:, 1:2] = first, first + legs[:, :1]
     control[:, -1:], control[:, -2:-1] = last, last - legs[:, 1:]
     miss = np.einsum("ij,kjc->kic", basis, control) - found[:, m + 1 : -1]
-    return control, SAFETY * np.sqrt((miss**2).sum(axis=2).max(axis=1))
+    rate = np.einsum("ij,kjc->kic", slope, control - first)
+    speed = np.hypot(rate[..., 0], rate[..., 1])
+    aside = np.abs(miss[..., 0] * rate[..., 1] - miss[..., 1] * rate[..., 0]) / np.maximum(speed, np.finfo(float).tiny)
+    return control, SAFETY * np.sqrt((miss**2).sum(axis=2).max(axis=1)), SAFETY * aside.max(axis=1)
 
 
 def _straighten(control: Floats, error: Floats, good: NDArray[np.bool_], tolerance: float) -> None:
