@@ -23,9 +23,8 @@ from mat_core.curves.way import (
     sample,
 )
 from mat_core.kernels.curve import evaluate
-from mat_core.kernels.disc import origin_end
 from mat_core.kernels.jit import inner
-from mat_core.kernels.layout import V0, V1, X0, X1, Y0, Y1
+from mat_core.kernels.layout import V0, V1
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -39,18 +38,11 @@ def tangent(track: Track, a: int, sa: float, b: int, sb: float, r: float, sign: 
 
     `sign` is 1 where a strip leaves, -1 where it arrives; it matters at a centre of curvature only.
     """
-    at_end = origin_end(track.si, a, b, sa <= 0.5)
-    ox = track.sf[a, X1 if at_end else X0]
-    oy = track.sf[a, Y1 if at_end else Y0]
-    px, py, ax, ay, k, speed = evaluate(track.si, track.sf, track.cp, a, sa, ox, oy)
-    qx, qy, bx, by, k, speed = evaluate(track.si, track.sf, track.cp, b, sb, ox, oy)
+    x, y, ax, ay, k, speed = evaluate(track.si, track.sf, track.cp, a, sa, 0.0, 0.0)
+    x, y, bx, by, k, speed = evaluate(track.si, track.sf, track.cp, b, sb, 0.0, 0.0)
     # n1 - n2 = (by - ay, ax - bx), turned by -90 degrees
     tx = ax - bx
     ty = ay - by
-    if max(px * px + py * py, qx * qx + qy * qy) < r * r:
-        # r (n1 - n2) = q - p: digits of contacts that are near each other, where the normals' are those of large numbers
-        tx = qy - py
-        ty = px - qx
     length = math.sqrt(tx * tx + ty * ty)
     vertex_a = track.si[a, V0] if sa <= 0.0 else (track.si[a, V1] if sa >= 1.0 else -1)
     vertex_b = track.si[b, V0] if sb <= 0.0 else (track.si[b, V1] if sb >= 1.0 else -2)
