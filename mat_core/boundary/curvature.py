@@ -21,6 +21,7 @@ from mat_core.kernels.jit import inner
 FAINT = 1e-8  # share of the largest coefficient of N below which one has lost half of its digits
 SMALLEST_PART = 2.0**-40
 SHORT = 256.0  # roundings: a part shorter than this has no direction of its own
+MUCH = 4.0  # times the rounding of a control point by itself; a sum that has lost more is not used
 SCRATCH_ROWS = 24
 _X, _Y, _W, _X1, _Y1, _W1, _X2, _Y2, _W2, _X3, _Y3, _W3 = range(12)
 _T0, _T1, _DET, _DETD, _A, _B, _AD, _BD, _Q, _S, _N = range(12, 23)
@@ -80,16 +81,30 @@ def place_part(cp, c0, deg, rational, begin, end, table, target):
     restrict_row(table, _X1, deg - 1, begin, end)
     restrict_row(table, _Y1, deg - 1, begin, end)
     restrict_row(table, _W1, deg - 1, begin, end)
-    x = y = more = 0.0
+    if rational:
+        restrict_row(table, _X, deg, begin, end)
+        restrict_row(table, _Y, deg, begin, end)
+    x = y = more = lost = 0.0
     for i in range(deg + 1):
         w = table[_W, i]
-        cp[target + i, 0] = (x - sx * more) / w
-        cp[target + i, 1] = (y - sy * more) / w
+        if lost > MUCH * (abs(table[_X, i]) + abs(table[_Y, i]) + w * (abs(sx) + abs(sy))):
+            cp[target + i, 0] = table[_X, i] / w - sx
+            cp[target + i, 1] = table[_Y, i] / w - sy
+        else:
+            cp[target + i, 0] = (x - sx * more) / w
+            cp[target + i, 1] = (y - sy * more) / w
         cp[target + i, 2] = w
         if i < deg:
             x += (end - begin) * table[_X1, i]
             y += (end - begin) * table[_Y1, i]
             more += (end - begin) * table[_W1, i]
+            lost += (end - begin) * rational * (abs(table[_X1, i]) + abs(table[_Y1, i]) + (abs(sx) + abs(sy)) * abs(table[_W1, i]))
+    # where control points lie on the end, the curve stands still there: those of the part do so, too, and not but for rounding
+    i = deg - 1
+    while end == 1.0 and i > 0 and cp[c0 + i, 0] == cp[c0 + deg, 0] and cp[c0 + i, 1] == cp[c0 + deg, 1]:
+        cp[target + i, 0] = cp[target + deg, 0]
+        cp[target + i, 1] = cp[target + deg, 1]
+        i -= 1
     return rx + sx, ry + sy
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import end_curvature, from_nearest, is_idle, peak_at_end, tight_cut, total_turning, trimmed
+from mat_core.boundary.bends import apart, from_nearest, is_idle, peak_at_end, tight_cut, total_turning, trimmed
 from mat_core.boundary.chain import (
     P_CENTRE_X,
     P_CENTRE_Y,
@@ -82,12 +82,6 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
         pieces_f[row, P_FRAME + 3 * side] = tx
         pieces_f[row, P_FRAME + 3 * side + 1] = ty
         pieces_f[row, P_FRAME + 3 * side + 2] = k
-    before = pieces_f[row, P_FRAME + 2]
-    after = pieces_f[row, P_FRAME + 5]
-    if begin == 0.0 and before > 0.0 > after:
-        pieces_f[row, P_FRAME + 2] = end_curvature(cp, c0, deg, rational, begin, end, before)
-    elif end == 1.0 and after > 0.0 > before:
-        pieces_f[row, P_FRAME + 5] = end_curvature(cp, c0, deg, rational, end, begin, after)
 
 
 @inner
@@ -140,20 +134,20 @@ def _simple_kind(cp, c0, deg, rational, rounding, table):
 @inner
 def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table,
                 work, bounds, roots):
-    """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small.
+    """Cut one Bezier into pieces; returns the new (pieces, rows of cp) and whether it begins and ends where they do.
 
-    A part of one that is known to be bent is neither straight nor an arc, however short.
+    pieces = -1 if a buffer is too small. A part of one that is known to be bent is neither straight nor an arc, however short.
     """
     n_roots = 0
     kind, k, cx, cy = (SPIRAL, 0.0, 0.0, 0.0) if bent else _simple_kind(cp, c0, deg, rational, rounding, table)
     if kind == SPIRAL:
         n_roots = curvature_changes(cp, c0, deg, rational, cp_used, rounding, table, work, bounds, roots)
         if n_roots < 0:
-            return -1, cp_used
+            return -1, cp_used, False, False
     first = count
     gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
-    start = trimmed(cp, c0, deg, rational, 0, roots, n_roots)
-    last = trimmed(cp, c0, deg, rational, 1, roots, n_roots)
+    start = trimmed(cp, c0, deg, rational, 0, roots, n_roots, noise)
+    last = trimmed(cp, c0, deg, rational, 1, roots, n_roots, noise)
     if not start < last:
         start = 0.0
         last = 1.0
@@ -169,7 +163,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
         while begin < stop:
             end = stop if kind == LINE else _gentle_end(cp, c0, deg, rational, begin, stop, kind, rounding)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
-                return -1, cp_used
+                return -1, cp_used, False, False
             x, y = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
             if kind == SPIRAL:
                 _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
@@ -195,7 +189,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
                     cp, c0, deg, rational, end, roots, n_roots, pieces_f[row, P_FRAME + 3 * end + 2], rounding)
     if start > 0.0 or last < 1.0:
         _mended(cp, c0, deg, rational, start, last, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0])
-    return count, cp_used
+    return count, cp_used, start == 0.0, last == 1.0
 
 
 @inner
@@ -219,6 +213,22 @@ def _about_nearest(cp, cp_low, c0, deg, begin, target):
 
 
 @inner
+def _even_end(cp, c0, deg, begin, end, table, target, rounding):
+    """How far a part from `begin` on may go, up to `end`, until its weights are even; rows target.. are scratch.
+
+    No part is within the rounding of coordinates, however uneven: it would have no direction but by rounding.
+    """
+    while end - begin > SMALLEST_PART:
+        place_part(cp, c0, deg, 1, begin, end, table, target)
+        balance(cp, target, deg)
+        half = begin + 0.5 * (end - begin)
+        if not _is_uneven(cp, target, deg) or apart(cp, c0, deg, 1, begin, half) <= SHORT * rounding:
+            break
+        end = half
+    return 1.0 if apart(cp, c0, deg, 1, end, 1.0) <= SHORT * rounding else end
+
+
+@inner
 def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table,
                 work, bounds, roots):
     """Cut all Beziers (rows of `bez_i`, `bez_f`, see `boundary.edges`) into pieces, in loop order.
@@ -228,6 +238,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
     Returns (pieces, rows of cp); pieces = -1 if a buffer is too small.
     """
     count = 0
+    ends_whole = False
     piece_loop_start[0] = 0
     for loop in range(bez_loop_start.shape[0] - 1):
         for b in range(bez_loop_start[loop], bez_loop_start[loop + 1]):
@@ -237,6 +248,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             ub = bez_f[b, 1]
             skew = bez_f[b, 2]
             first = count
+            joined_whole = True
             uneven = deg > 1 and _is_uneven(cp, c0, deg)
             bent = uneven and _simple_kind(cp, c0, deg, 1, rounding, table)[0] == SPIRAL
             begin = 0.0
@@ -248,31 +260,32 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                 u_end = ub
                 part_skew = skew
                 if uneven:
-                    if cp_used + 2 * (deg + 1) > cp.shape[0]:
+                    part = cp_used
+                    about = cp_used + deg + 1
+                    if about + deg + 1 > cp.shape[0]:
                         return -1, cp_used
-                    _about_nearest(cp, cp_low, c0, deg, begin, cp_used + deg + 1)
-                    place_part(cp, cp_used + deg + 1, deg, 1, begin, end, table, cp_used)
+                    _about_nearest(cp, cp_low, c0, deg, begin, about)
+                    end = _even_end(cp, about, deg, begin, end, table, part, rounding)
+                    place_part(cp, about, deg, 1, begin, end, table, part)
                     before = skew * begin + (1.0 - begin)
                     after = skew * end + (1.0 - end)
                     if end < 1.0:
                         u_end = ua + skew * end / after * (ub - ua)
-                    part_skew = after / before * balance(cp, cp_used, deg)
-                    if step > SMALLEST_PART and _is_uneven(cp, cp_used, deg):
-                        step *= 0.5
-                        continue
-                    part = cp_used
-                    cp_used += deg + 1
-                count, cp_used = _cut_bezier(
+                    part_skew = after / before * balance(cp, part, deg)
+                    cp_used = about
+                count, cp_used, from_start, whole = _cut_bezier(
                     cp, part, deg, bez_i[b, 2], bent, bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew, cp_used, count,
                     pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
                 if count < 0:
                     return -1, cp_used
+                step = 2.0 * (end - begin)
+                if begin == 0.0:
+                    joined_whole = ends_whole and from_start
+                ends_whole = whole
                 begin = end
                 u_begin = u_end
-                step *= 2.0
             if bez_i[b, 5] and b > bez_loop_start[loop]:
-                pieces_i[first, P_GOES_ON] = 1
-                go_on(cp, pieces_i, pieces_f, first - 1, first)
+                go_on(cp, pieces_i, pieces_f, first - 1, first, joined_whole)
             chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest_of(cp, deg, pieces_i, first, count), count)
         piece_loop_start[loop + 1] = count
     return count, cp_used
