@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.curvature import SHORT, nearest_row
 from mat_core.boundary.joints import end_frame
-from mat_core.kernels.curve import bezier_frame
+from mat_core.boundary.parts import SHORT, apart, from_nearest
 from mat_core.kernels.jit import inner
 
 IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
@@ -20,16 +19,6 @@ TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its rat
 SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
 DISTANCE, TURN, STRAIGHTNESS = range(3)  # what is asked of a point: how far it and its tangent are from another, less curvature
 HALVINGS = 60
-
-
-@inner
-def from_nearest(cp, c0, deg, rational, s):
-    """`bezier_frame` relative to the `nearest_row`: a rational curve that stands still at an end has no speed left by rounding.
-
-    Such a rest would be taken for a direction, and what it turns by for a bend.
-    """
-    near = nearest_row(cp, c0, deg, rational, s)
-    return bezier_frame(cp, c0, deg, rational, s, cp[near, 0], cp[near, 1])
 
 
 @inner
@@ -47,15 +36,6 @@ def total_turning(cp, c0, deg, rational, begin, end):
         px = x1
         py = y1
     return total
-
-
-@inner
-def apart(cp, c0, deg, rational, a, b):
-    """Distance of the points at two parameters."""
-    near = nearest_row(cp, c0, deg, rational, 0.5 * (a + b) if 0.0 < a < 1.0 else a)
-    ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, a, cp[near, 0], cp[near, 1])
-    bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, b, cp[near, 0], cp[near, 1])
-    return math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
 
 
 @inner
@@ -120,8 +100,8 @@ def _turn_at_rest(cp, c0, deg, rational, end, s, noise):
 def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
     """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_mended` brings it back to its vertex.
 
-    Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once. So it
-    does where it stands still and the next control points weigh little.
+    Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once. So
+    does one that stands still there, or hardly moves, where the weights of the next control points differ by decades.
     """
     tip = -1
     for step in range(n_roots):

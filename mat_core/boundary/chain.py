@@ -61,8 +61,8 @@ def chain(cp, cp_low, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
 def go_on(cp, pieces_i, pieces_f, before, after, whole):
     """One tangent where piece `after` goes on in the direction of `before`, at a knot: that of the side which tells it better.
 
-    Not `whole`: a bend was cut off there. The knot is a vertex then, but for the bend whose leaf is farther from it than `TRIM`: a
-    convex one that was cut off at its peak.
+    Not `whole`: a bend was cut off there. The knot is a vertex then, unless the bend was a convex one that was cut off at its
+    peak: its leaf is farther from the knot than `TRIM`.
     """
     tx = pieces_f[before, P_FRAME + 3]
     ty = pieces_f[before, P_FRAME + 4]

@@ -1,21 +1,22 @@
 """Rises of the curvature so slight that no disc tells them from none.
 
-    bend                 bend    A disc that touches on both sides of a rise bridges it. Where the rise turns by the angle a, a
-       `.              .'        disc of radius r reaches over the boundary there by r a^2 / 8 at most, and if its contacts are no
-         `-._      _.-'          farther apart than d by no more than d a / 4, the height of a triangle with base d and the angles
-             `-..-'              a / 2 at it. A contact lies where the bend beside the rise has not yet turned back by a.
-              rise
+      .--.                  .--.      A disc that touches on both sides of a rise bridges it. Where the rise turns by the angle a,
+     '    `-._          _.-'    `     a disc of radius r reaches over the boundary there by r a^2 / 8 at most, and if its contacts
+              `--.__.--'              are no farther apart than d by no more than d a / 4, the height of a triangle with base d
+      bend       rise       bend      and the angles a / 2 at it.
 
-Where either is less than the rounding of a coordinate, the leaf of the rise and the branch from it to the disc that is as large
-as the bends let it be are nothing that coordinates tell. Rational Beziers whose weights differ by many decades are full of them:
-branches from radii of 1e-10 across the domain, between contacts 1e-13 apart.
+A contact lies where the bend beside the rise has not yet turned back by a. Where either height is less than the rounding of a
+coordinate, the leaf of the rise and the branch from it to the disc that is as large as the bends let it be are nothing that
+coordinates tell. Rational Beziers whose weights differ by many decades are full of them: branches from radii of 1e-10 across the
+domain, between contacts 1e-13 apart.
 """
 
 from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import STRAIGHTNESS, TURN, apart, curvature_at, from_nearest, passing
+from mat_core.boundary.bends import STRAIGHTNESS, TURN, curvature_at, passing
+from mat_core.boundary.parts import apart, from_nearest
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import CP0, DEG, K0, K1, KIND, RATIONAL, SPIRAL, TX0, TX1, TY0, TY1
 
@@ -39,7 +40,7 @@ def _is_faint(turn, width):
 
 @inner
 def _rise(si, sf, cp, i, side):
-    """(turn, parameter): by how much piece i turns where it is curved by more than `LEAST`, up to its end `side`, and from where on.
+    """(turn, parameter): by how much piece i turns up to its end `side`, where it is curved by more than `LEAST`; from where on.
 
     The turn is infinite where the rise is plain, or all of the piece belongs to it.
     """
@@ -96,12 +97,12 @@ def _rises_faintly(si, sf, cp, a, b, side):
 
 @inner
 def flatten_rises(si, sf, cp, base, n):
-    """Take what is above `LEAST` from the curvatures at each joint of the n pieces of a loop, from row `base` on, that rise faintly."""
+    """Take what is above `LEAST` from the curvatures that rise faintly, at the joints of a loop's n pieces, from row `base` on."""
     for p in range(n):
         a = base + (p if p > 0 else n) - 1
         b = base + p
-        left = LEAST < sf[a, K1] and _rises_faintly(si, sf, cp, a, b, 1)
-        right = LEAST < sf[b, K0] and _rises_faintly(si, sf, cp, a, b, 0)
+        left = sf[a, K1] > LEAST and _rises_faintly(si, sf, cp, a, b, 1)
+        right = sf[b, K0] > LEAST and _rises_faintly(si, sf, cp, a, b, 0)
         if left:
             sf[a, K1] = LEAST
         if right:

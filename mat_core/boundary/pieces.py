@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import apart, from_nearest, is_idle, peak_at_end, tight_cut, total_turning, trimmed
+from mat_core.boundary.bends import is_idle, peak_at_end, tight_cut, total_turning, trimmed
 from mat_core.boundary.chain import (
     P_CENTRE_X,
     P_CENTRE_Y,
@@ -29,8 +29,9 @@ from mat_core.boundary.chain import (
     go_on,
     longest_of,
 )
-from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, nearest_row, place_part
+from mat_core.boundary.curvature import circle_of, curvature_changes
 from mat_core.boundary.joints import end_frame
+from mat_core.boundary.parts import SHORT, about_nearest, even_end, extent, from_nearest, is_uneven, place_part
 from mat_core.kernels.bezier import balance
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
@@ -39,7 +40,6 @@ from mat_core.kernels.layout import ARC, LINE, SPIRAL
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 SHORTEST = 1e-9  # of the parameter; what is shorter is not halved, however much it turns
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
-UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
 
 
 @inner
@@ -193,42 +193,6 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
 
 
 @inner
-def _is_uneven(cp, c0, deg):
-    """Whether the weights of a Bezier differ so much that the signs of k' drown in rounding."""
-    low = high = cp[c0, 2]
-    for i in range(1, deg + 1):
-        low = min(low, cp[c0 + i, 2])
-        high = max(high, cp[c0 + i, 2])
-    return high > UNEVEN * low
-
-
-@inner
-def _about_nearest(cp, cp_low, c0, deg, begin, target):
-    """A Bezier relative to the control point that says most about its point at `begin`, in rows target.. of `cp`."""
-    near = nearest_row(cp, c0, deg, 1, begin)
-    for i in range(deg + 1):
-        for axis in range(2):
-            cp[target + i, axis] = (cp[c0 + i, axis] - cp[near, axis]) + (cp_low[c0 + i, axis] - cp_low[near, axis])
-        cp[target + i, 2] = cp[c0 + i, 2]
-
-
-@inner
-def _even_end(cp, c0, deg, begin, end, table, target, rounding):
-    """How far a part from `begin` on may go, up to `end`, until its weights are even; rows target.. are scratch.
-
-    No part is within the rounding of coordinates, however uneven: it would have no direction but by rounding.
-    """
-    while end - begin > SMALLEST_PART:
-        place_part(cp, c0, deg, 1, begin, end, table, target)
-        balance(cp, target, deg)
-        half = begin + 0.5 * (end - begin)
-        if not _is_uneven(cp, target, deg) or apart(cp, c0, deg, 1, begin, half) <= SHORT * rounding:
-            break
-        end = half
-    return 1.0 if apart(cp, c0, deg, 1, end, 1.0) <= SHORT * rounding else end
-
-
-@inner
 def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pieces_f, piece_loop_start, rounding, noise, table,
                 work, bounds, roots):
     """Cut all Beziers (rows of `bez_i`, `bez_f`, see `boundary.edges`) into pieces, in loop order.
@@ -249,7 +213,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             skew = bez_f[b, 2]
             first = count
             joined_whole = True
-            uneven = deg > 1 and _is_uneven(cp, c0, deg)
+            uneven = deg > 1 and is_uneven(cp, c0, deg)
             bent = uneven and _simple_kind(cp, c0, deg, 1, rounding, table)[0] == SPIRAL
             begin = 0.0
             u_begin = ua
@@ -264,8 +228,8 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                     about = cp_used + deg + 1
                     if about + deg + 1 > cp.shape[0]:
                         return -1, cp_used
-                    _about_nearest(cp, cp_low, c0, deg, begin, about)
-                    end = _even_end(cp, about, deg, begin, end, table, part, rounding)
+                    about_nearest(cp, cp_low, c0, deg, begin, about)
+                    end = even_end(cp, about, deg, begin, end, table, part, rounding)
                     place_part(cp, about, deg, 1, begin, end, table, part)
                     before = skew * begin + (1.0 - begin)
                     after = skew * end + (1.0 - end)

@@ -110,7 +110,8 @@ def solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
     x = px - ty / phi
     y = py + tx / phi
     # from arc 0 the two contacts tell the direction of the disc from them as well as the rounding of their depth lets them
-    if math.sqrt((x - disc[d, 0]) ** 2 + (y - disc[d, 1]) ** 2) * phi > max(SAME_PLACE, min(DEPTH_NOISE / max(between, DEPTH_NOISE), STEEP)):
+    doubt = min(DEPTH_NOISE / max(between, DEPTH_NOISE), STEEP)
+    if math.sqrt((x - disc[d, 0]) ** 2 + (y - disc[d, 1]) ** 2) * phi > max(SAME_PLACE, doubt):
         return 0
     disc[d, 0] = x
     disc[d, 1] = y
