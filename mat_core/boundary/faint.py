@@ -97,7 +97,7 @@ def _rises_faintly(si, sf, cp, a, b, side):
 
 @inner
 def flatten_rises(si, sf, cp, base, n):
-    """Take what is above `LEAST` from the curvatures that rise faintly, at the joints of a loop's n pieces, from row `base` on."""
+    """Take what is above `LEAST` from the curvatures that rise faintly, at the joints of a loop's n pieces, in rows `base` on."""
     for p in range(n):
         a = base + (p if p > 0 else n) - 1
         b = base + p
