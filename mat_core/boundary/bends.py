@@ -161,10 +161,12 @@ def tight_cut(cp, c0, deg, rational, begin, end, rounding):
     last = dx * dx + dy * dy
     if first == 0.0 or last == 0.0:
         return end
-    k0 = abs(ax * by - ay * bx) / (first * math.sqrt(first))
-    k1 = abs(dx * ey - dy * ex) / (last * math.sqrt(last))
+    k0 = (ax * by - ay * bx) / (first * math.sqrt(first))
+    k1 = (dx * ey - dy * ex) / (last * math.sqrt(last))
+    tight = max(abs(k0), abs(k1))
+    beside = min(abs(k0), abs(k1)) if k0 * k1 > 0.0 else 0.0  # it is straight in between where it bends both ways
     half = 0.5 * math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)
-    if max(k0, k1) < TIGHT or max(k0, k1) < TIGHT * TIGHT * min(k0, k1) or abs(half) < SLIGHT:
+    if tight < max(TIGHT, TIGHT * TIGHT * beside) or abs(half) < SLIGHT:
         return end
     lo = passing(TURN, abs(half), cp, c0, deg, rational, begin, begin, end)[0]
     if min(apart(cp, c0, deg, rational, begin, lo), apart(cp, c0, deg, rational, lo, end)) < SHORT * rounding:

@@ -10,13 +10,12 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.bernstein import restrict_row
-from mat_core.kernels.bezier import balance
+from mat_core.kernels.bezier import balance, is_uneven
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 
 SHORT = 256.0  # roundings: a part shorter than this has no direction of its own
 SMALLEST_PART = 2.0**-40
-UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
 MUCH = 4.0  # times the rounding of a control point by itself; a sum that has lost more is not used
 _X, _Y, _W, _X1, _Y1, _W1 = range(6)  # rows of the table
 
@@ -126,16 +125,6 @@ def place_part(cp, c0, deg, rational, begin, end, table, target):
         cp[target + i, 1] = cp[target + deg, 1]
         i -= 1
     return rx + sx, ry + sy
-
-
-@inner
-def is_uneven(cp, c0, deg):
-    """Whether the weights of a Bezier differ so much that the signs of k' drown in rounding."""
-    low = high = cp[c0, 2]
-    for i in range(1, deg + 1):
-        low = min(low, cp[c0 + i, 2])
-        high = max(high, cp[c0 + i, 2])
-    return high > UNEVEN * low
 
 
 @inner

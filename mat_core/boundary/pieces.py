@@ -31,8 +31,8 @@ from mat_core.boundary.chain import (
 )
 from mat_core.boundary.curvature import circle_of, curvature_changes
 from mat_core.boundary.joints import end_frame
-from mat_core.boundary.parts import SHORT, about_nearest, even_end, extent, from_nearest, is_uneven, place_part
-from mat_core.kernels.bezier import balance
+from mat_core.boundary.parts import SHORT, about_nearest, even_end, extent, from_nearest, place_part
+from mat_core.kernels.bezier import balance, is_uneven
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import ARC, LINE, SPIRAL

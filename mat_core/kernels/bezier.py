@@ -25,6 +25,7 @@ from mat_core.kernels.jit import inner, jit
 
 BALANCED = 0.25  # ratio of the last weight of a Bezier to the first down to which (and up to 1 / it) it is left alone
 
+UNEVEN = 64.0  # ratio of weights up to which a parameter tells a point, and the numerator of k' has its signs right
 CLOSE = 5  # columns of rows with what is left of their coordinates
 
 Floats = NDArray[np.float64]
@@ -51,6 +52,16 @@ def blend(rows: Floats, i: int, j: int, k: int, a: float) -> None:
         rows[k, 0] = xj + b * (xi - xj)
         rows[k, 1] = yj + b * (yi - yj)
     rows[k, 2] = w
+
+
+@inner
+def is_uneven(cp: Floats, c0: int, deg: int) -> bool:
+    """Whether the weights of a Bezier differ so much that beside the large ones it runs faster than its parameter has digits."""
+    low = high = cp[c0, 2]
+    for i in range(1, deg + 1):
+        low = min(low, cp[c0 + i, 2])
+        high = max(high, cp[c0 + i, 2])
+    return bool(high > UNEVEN * low)
 
 
 @inner

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.bezier import Floats, Ints, decompose, restrict
+from mat_core.kernels.bezier import Floats, Ints, decompose, is_uneven, restrict
 from mat_core.kernels.jit import inner
 
 DEG, CP0, LOOP, EDGE = 0, 1, 2, 3
@@ -112,7 +112,8 @@ def cut_gently(
                     t1 = stack[top, 1]
                     restrict(work, k * (p + 1), p, t0, t1, work, scratch)
                     extent = span_of(work, scratch, p)
-                    if extent > SPECK and t1 - t0 > NARROWEST and not is_gentle(work, scratch, p):
+                    rough = is_uneven(work, scratch, p) or not is_gentle(work, scratch, p)
+                    if rough and extent > SPECK and t1 - t0 > NARROWEST:
                         split_range(stack, top, 0)
                         top += 1
                         continue
