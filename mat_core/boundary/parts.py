@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.bernstein import restrict_row
-from mat_core.kernels.bezier import balance, is_uneven
+from mat_core.kernels.bezier import balance, unevenness
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 
 SHORT = 256.0  # roundings: a part shorter than this has no direction of its own
 SMALLEST_PART = 2.0**-40
+UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
 MUCH = 4.0  # times the rounding of a control point by itself; a sum that has lost more is not used
 _X, _Y, _W, _X1, _Y1, _W1 = range(6)  # rows of the table
 
@@ -147,7 +148,7 @@ def even_end(cp, c0, deg, begin, end, table, target, rounding):
         place_part(cp, c0, deg, 1, begin, end, table, target)
         balance(cp, target, deg)
         half = begin + 0.5 * (end - begin)
-        if not is_uneven(cp, target, deg) or apart(cp, c0, deg, 1, begin, half) <= SHORT * rounding:
+        if not unevenness(cp, target, deg) > UNEVEN or apart(cp, c0, deg, 1, begin, half) <= SHORT * rounding:
             break
         end = half
     return 1.0 if apart(cp, c0, deg, 1, end, 1.0) <= SHORT * rounding else end

@@ -31,8 +31,8 @@ from mat_core.boundary.chain import (
 )
 from mat_core.boundary.curvature import circle_of, curvature_changes
 from mat_core.boundary.joints import end_frame
-from mat_core.boundary.parts import SHORT, about_nearest, even_end, extent, from_nearest, place_part
-from mat_core.kernels.bezier import balance, is_uneven
+from mat_core.boundary.parts import SHORT, UNEVEN, about_nearest, even_end, extent, from_nearest, place_part
+from mat_core.kernels.bezier import balance, unevenness
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
@@ -213,7 +213,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             skew = bez_f[b, 2]
             first = count
             joined_whole = True
-            uneven = deg > 1 and is_uneven(cp, c0, deg)
+            uneven = deg > 1 and unevenness(cp, c0, deg) > UNEVEN
             bent = uneven and _simple_kind(cp, c0, deg, 1, rounding, table)[0] == SPIRAL
             begin = 0.0
             u_begin = ua

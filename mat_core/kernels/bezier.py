@@ -25,7 +25,6 @@ from mat_core.kernels.jit import inner, jit
 
 BALANCED = 0.25  # ratio of the last weight of a Bezier to the first down to which (and up to 1 / it) it is left alone
 
-UNEVEN = 64.0  # ratio of weights up to which a parameter tells a point, and the numerator of k' has its signs right
 CLOSE = 5  # columns of rows with what is left of their coordinates
 
 Floats = NDArray[np.float64]
@@ -55,13 +54,13 @@ def blend(rows: Floats, i: int, j: int, k: int, a: float) -> None:
 
 
 @inner
-def is_uneven(cp: Floats, c0: int, deg: int) -> bool:
-    """Whether the weights of a Bezier differ so much that beside the large ones it runs faster than its parameter has digits."""
+def unevenness(cp: Floats, c0: int, deg: int) -> float:
+    """The ratio of the largest weight of a Bezier to the smallest: beside the large ones it runs faster by as much."""
     low = high = cp[c0, 2]
     for i in range(1, deg + 1):
         low = min(low, cp[c0 + i, 2])
         high = max(high, cp[c0 + i, 2])
-    return bool(high > UNEVEN * low)
+    return float(high / low)
 
 
 @inner
