@@ -409,13 +409,14 @@ def check_nodes(report: Report, answer: Answer, reference: Reference) -> None:
         reference.stalls
     ]  # infinite curvature shrinks discs to nothing at a reflex vertex, too
     bends = np.array([reference.boundary.end[b.before] for b in reference.bends if b.left > 0]).reshape(-1, 2)
+    tips = np.concatenate([bends, reference.points_of_bends])
     at_vertex = np.zeros(len(convex), dtype=int)
     inner = [i for i, n in enumerate(answer.nodes) if n["kind"] != "convex_vertex"]
     for i, n in enumerate(answer.nodes):
         if n["kind"] == "convex_vertex":
             gaps = np.linalg.norm(convex - answer.node_disc[i, :2], axis=1)
             pointed = np.linalg.norm(resting - answer.node_disc[i, :2], axis=1)
-            bent = np.linalg.norm(bends - answer.node_disc[i, :2], axis=1)
+            bent = np.linalg.norm(tips - answer.node_disc[i, :2], axis=1)
             nearest = min(v.min(initial=np.inf) for v in (gaps, pointed, bent))
             report.note("convex vertex", np.array([nearest, answer.node_disc[i, 2]]), EXACT + floor)
             at_vertex[gaps <= EXACT + floor] += 1

@@ -24,7 +24,8 @@ JOINT_BLUR = 1e-11  # rounding of a cell's second derivative, in its own paramet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
 DOUBT = 1e-7  # up to here nobody can say
 SHARE_EMPTY, SHARE_DOUBT = 1e-4, 1e-2  # of its radius, if that is less
-FAINT = 4e-9  # radians; a rise of the curvature to above zero that turns by less is not seen with certainty
+FAINT = 1e-7  # radians; a rise of the curvature to above zero that turns by less is not seen with certainty,
+FAINT_DEPTH = 1e-15  # nor one that turns by less than this over its width
 RIPPLE = 0.01  # of the curvature in such a bend, between two of its maxima
 AT_VERTEX = 1e-11  # a bend that is a vertex begins and ends this near to it
 AROUND = 4  # points of the grid on either side that a maximum is above; where cells meet, rounding makes maxima of one
@@ -102,7 +103,7 @@ def _whole(reference: Reference, center: Floats) -> bool:
 def candidates(reference: Reference) -> list[tuple[int, float, bool, int, bool]]:
     """Maxima of positive curvature as (cell, s, plateau, slight maxima on the plateau, faint), once each.
 
-    Faint ones rise from below zero and fall again within some 1e-9 rad: the two contacts of their discs are 1e-12 apart.
+    Faint ones rise from below zero and fall again so soon that a disc that touches on both sides reaches over them by rounding.
     """
     found: list[tuple[int, float, bool, int, bool]] = []
     seen: list[Floats] = []
@@ -139,7 +140,8 @@ def candidates(reference: Reference) -> list[tuple[int, float, bool, int, bool]]
             hidden = slight_maxima(k[a : b + 1]) + int(min(gaps, default=1.0) < 1e-7)
             if flat:
                 seen.append(disc)
-            faint = not flat and 0 < k[m] * rise(reference, cells, s, k, m) < FAINT
+            width = 0.0 if flat else rise(reference, cells, s, k, m)
+            faint = 0 < k[m] * width < FAINT or 0 < k[m] * width * width < FAINT_DEPTH
             found.append((cell, at, flat, hidden, faint))
     return found
 

@@ -533,6 +533,14 @@ class Reference:
         return tight
 
     @cached_property
+    def points_of_bends(self) -> Floats:
+        """(n, 2) joints of cells where the boundary bends left so tightly that its disc there is no larger than a `TINY` cell."""
+        cells = np.arange(len(self.follow))
+        tight = np.fmax(self.at(cells, np.ones(len(cells)))[2], self.at(self.follow, np.zeros(len(cells)))[2]) > 1 / TINY
+        points: Floats = self.boundary.end[tight]
+        return points
+
+    @cached_property
     def turns(self) -> Floats:
         """(cells,) angle from each cell to its follower, radians, left positive; what rounding makes of tiny cells is none.
 

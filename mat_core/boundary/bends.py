@@ -4,29 +4,21 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.curvature import SHORT, nearest_row
-from mat_core.kernels.curve import bezier_frame
+from mat_core.boundary.joints import end_frame
+from mat_core.boundary.parts import SHORT, apart, from_nearest
 from mat_core.kernels.jit import inner
 
 IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
 AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
 TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tighter, is cut off: no disc tells it from the vertex
-SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one
+SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one where the curvature
+GENTLE = 1e8  # is less than this at the end
 HAIRPIN = 0.1  # radians; what turns by less is no such bend,
 CONVEX_HAIRPIN = 1e-3  # but where it would have a leaf of its own
-FAINT_TURN = 1e-9  # radians; a rise of the curvature at an end that turns by less is none
 TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
 SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
-
-
-@inner
-def from_nearest(cp, c0, deg, rational, s):
-    """`bezier_frame` relative to the `nearest_row`: a rational curve that stands still at an end has no speed left by rounding.
-
-    Such a rest would be taken for a direction, and what it turns by for a bend.
-    """
-    near = nearest_row(cp, c0, deg, rational, s)
-    return bezier_frame(cp, c0, deg, rational, s, cp[near, 0], cp[near, 1])
+DISTANCE, TURN, STRAIGHTNESS = range(3)  # what is asked of a point: how far it and its tangent are from another, less curvature
+HALVINGS = 60
 
 
 @inner
@@ -47,16 +39,7 @@ def total_turning(cp, c0, deg, rational, begin, end):
 
 
 @inner
-def _apart(cp, c0, deg, rational, a, b):
-    """Distance of the points at two parameters."""
-    near = nearest_row(cp, c0, deg, rational, 0.5 * (a + b) if 0.0 < a < 1.0 else a)
-    ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, a, cp[near, 0], cp[near, 1])
-    bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, b, cp[near, 0], cp[near, 1])
-    return math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
-
-
-@inner
-def _curvature(cp, c0, deg, rational, s):
+def curvature_at(cp, c0, deg, rational, s):
     """Curvature at s; infinite where the Bezier stands still."""
     x, y, x1, y1, x2, y2 = from_nearest(cp, c0, deg, rational, s)
     speed = math.sqrt(x1 * x1 + y1 * y1)
@@ -66,61 +49,86 @@ def _curvature(cp, c0, deg, rational, s):
 @inner
 def is_idle(cp, c0, deg, rational, a, b, rounding):
     """Whether the part [a, b] is no piece of its own: it has no direction, or is short and its curvature rests."""
-    length = _apart(cp, c0, deg, rational, a, b)
+    length = apart(cp, c0, deg, rational, a, b)
     if length < SHORT * rounding:
         return True
     if length > IDLE:
         return False
-    k = _curvature(cp, c0, deg, rational, a)
-    return abs(_curvature(cp, c0, deg, rational, b) - k) <= AT_REST * abs(k) < math.inf
+    k = curvature_at(cp, c0, deg, rational, a)
+    return abs(curvature_at(cp, c0, deg, rational, b) - k) <= AT_REST * abs(k) < math.inf
 
 
 @inner
-def _trim_at(cp, c0, deg, rational, end, near, far):
-    """Where a Bezier is 2 `TRIM` away from its end, between two parameters."""
-    for _ in range(60):
+def _turn_between(cp, c0, deg, rational, a, b):
+    """The angle between the tangents at two parameters."""
+    x, y, x1, y1, x2, y2 = from_nearest(cp, c0, deg, rational, a)
+    u, v, u1, v1, u2, v2 = from_nearest(cp, c0, deg, rational, b)
+    return abs(math.atan2(x1 * v1 - y1 * u1, x1 * u1 + y1 * v1))
+
+
+@inner
+def _asked(what, cp, c0, deg, rational, at, s):
+    """The distance of the point at s from that at `at`, the turn between them, or how little the Bezier is curved at s."""
+    if what == DISTANCE:
+        return apart(cp, c0, deg, rational, at, s)
+    if what == STRAIGHTNESS:
+        return -curvature_at(cp, c0, deg, rational, s)
+    return _turn_between(cp, c0, deg, rational, at, s)
+
+
+@inner
+def passing(what, limit, cp, c0, deg, rational, at, near, far):
+    """Two parameters between which what is `_asked` passes a limit: the last below it, from `near` on, and the first beyond."""
+    for _ in range(HALVINGS):
         m = 0.5 * (near + far)
-        if _apart(cp, c0, deg, rational, float(end), m) < 2.0 * TRIM:
+        if _asked(what, cp, c0, deg, rational, at, m) < limit:
             near = m
         else:
             far = m
-    return far
+    return near, far
 
 
 @inner
-def trimmed(cp, c0, deg, rational, end, roots, n_roots):
+def _turn_at_rest(cp, c0, deg, rational, end, s, noise):
+    """By how much a Bezier that stands still at an end turns from there to the parameter s."""
+    tx, ty, k = end_frame(cp, c0, deg, end == 1, noise)
+    x, y, x1, y1, x2, y2 = from_nearest(cp, c0, deg, rational, s)
+    return abs(math.atan2(tx * y1 - ty * x1, tx * x1 + ty * y1))
+
+
+@inner
+def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
     """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_mended` brings it back to its vertex.
 
-    Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once.
+    Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once. So
+    does one that stands still there, or hardly moves, where the weights of the next control points differ by decades.
     """
     tip = -1
     for step in range(n_roots):
         i = step if end == 0 else n_roots - 1 - step
-        if _apart(cp, c0, deg, rational, float(end), roots[i]) >= TRIM:
+        if apart(cp, c0, deg, rational, float(end), roots[i]) >= TRIM:
             break
         tip = i
     p = c0 + deg * end
     q = p + (1 - 2 * end)
     handle = math.sqrt((cp[q, 0] - cp[p, 0]) ** 2 + (cp[q, 1] - cp[p, 1]) ** 2)
-    if tip < 0 and (handle == 0.0 or handle > SHORT_HANDLE):
+    if tip < 0 and handle > SHORT_HANDLE and abs(end_frame(cp, c0, deg, end == 1, noise)[2]) < GENTLE:
         return float(end)
     near = roots[tip] if tip >= 0 else float(end)
     far = 1.0 - end
     beyond = tip + 1 if end == 0 else (tip if tip >= 0 else n_roots) - 1
     if 0 <= beyond < n_roots:
         far = roots[beyond]
-    far = _trim_at(cp, c0, deg, rational, end, near, far)
-    least = CONVEX_HAIRPIN if _curvature(cp, c0, deg, rational, far) > 0.0 else HAIRPIN
-    if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) <= least:
+    far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), near, far)[1]
+    least = CONVEX_HAIRPIN if curvature_at(cp, c0, deg, rational, far) > 0.0 else HAIRPIN
+    turn = total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end)))
+    if handle == 0.0:
+        turn = max(turn, _turn_at_rest(cp, c0, deg, rational, end, far, noise))
+    if turn <= least:
         return float(end)
     # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either
-    if 0.0 < _curvature(cp, c0, deg, rational, far) * TRIM < 1.0:
-        for _ in range(60):
-            m = 0.5 * (near + far)
-            if _curvature(cp, c0, deg, rational, m) * TRIM > 1.0:
-                near = m
-            else:
-                far = m
+    if 0.0 < curvature_at(cp, c0, deg, rational, far) * TRIM < 1.0:
+        far = passing(STRAIGHTNESS, -1.0 / TRIM, cp, c0, deg, rational, float(end), near, far)[1]
     return far
 
 
@@ -132,30 +140,12 @@ def peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
     """
     most = k
     for i in range(n_roots):
-        if _apart(cp, c0, deg, rational, float(end), roots[i]) < SHORT * rounding:
-            most = max(most, _curvature(cp, c0, deg, rational, roots[i]))
+        if apart(cp, c0, deg, rational, float(end), roots[i]) < SHORT * rounding:
+            most = max(most, curvature_at(cp, c0, deg, rational, roots[i]))
     if not max(k, 0.0) < most < math.inf:
         return k
-    far = _trim_at(cp, c0, deg, rational, end, float(end), 1.0 - end)
+    far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), float(end), 1.0 - end)[1]
     return most if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) > SLIGHT else k
-
-
-@inner
-def end_curvature(cp, c0, deg, rational, at, other, k):
-    """Curvature k > 0 at an end of a Bezier; 0 if it has risen from below zero within `FAINT_TURN`, on the way from `other`.
-
-    A disc no larger than the domain that this curvature bounds ends on the last 1e-9 and reaches over the boundary by 1e-18
-    without that. At a reflex vertex it would be a leaf, and a branch of discs that touch the vertex and what is beside it.
-    """
-    near = at
-    far = other
-    for _ in range(60):
-        m = 0.5 * (near + far)
-        if _curvature(cp, c0, deg, rational, m) > 0.0:
-            near = m
-        else:
-            far = m
-    return 0.0 if k * _apart(cp, c0, deg, rational, at, far) < FAINT_TURN else k
 
 
 @inner
@@ -171,20 +161,14 @@ def tight_cut(cp, c0, deg, rational, begin, end, rounding):
     last = dx * dx + dy * dy
     if first == 0.0 or last == 0.0:
         return end
-    k0 = abs(ax * by - ay * bx) / (first * math.sqrt(first))
-    k1 = abs(dx * ey - dy * ex) / (last * math.sqrt(last))
+    k0 = (ax * by - ay * bx) / (first * math.sqrt(first))
+    k1 = (dx * ey - dy * ex) / (last * math.sqrt(last))
+    tight = max(abs(k0), abs(k1))
+    beside = min(abs(k0), abs(k1)) if k0 * k1 > 0.0 else 0.0  # it is straight in between where it bends both ways
     half = 0.5 * math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)
-    if max(k0, k1) < TIGHT or max(k0, k1) < TIGHT * TIGHT * min(k0, k1) or abs(half) < SLIGHT:
+    if tight < max(TIGHT, TIGHT * TIGHT * beside) or abs(half) < SLIGHT:
         return end
-    lo = begin
-    hi = end
-    for _ in range(60):
-        m = 0.5 * (lo + hi)
-        x, y, dx, dy, ex, ey = from_nearest(cp, c0, deg, rational, m)
-        if abs(math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)) < abs(half):
-            lo = m
-        else:
-            hi = m
-    if min(_apart(cp, c0, deg, rational, begin, lo), _apart(cp, c0, deg, rational, lo, end)) < SHORT * rounding:
+    lo = passing(TURN, abs(half), cp, c0, deg, rational, begin, begin, end)[0]
+    if min(apart(cp, c0, deg, rational, begin, lo), apart(cp, c0, deg, rational, lo, end)) < SHORT * rounding:
         return end
     return lo if begin < lo < end else end

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mat_core.boundary.bends import TRIM
 from mat_core.kernels.bezier import add_closely
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import SPIRAL
@@ -14,6 +15,7 @@ P_X_LOW, P_Y_LOW = 14, 15
 PI_WIDTH = 7
 PF_WIDTH = 16
 
+AT_PEAK = 0.99  # of 1 / TRIM, the curvature that a convex bend is cut off at elsewhere
 SAME_WAY = 0.995  # cosine of the angle at a knot of a curve that does not stand still there: rounding turns it by less
 
 
@@ -56,15 +58,22 @@ def chain(cp, cp_low, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
 
 
 @inner
-def go_on(cp, pieces_i, pieces_f, before, after):
-    """One tangent where piece `after` goes on in the direction of `before`, at a knot: that of the side which tells it better."""
-    if pieces_i[before, P_KIND] != SPIRAL or pieces_i[after, P_KIND] != SPIRAL:
-        return
+def go_on(cp, pieces_i, pieces_f, before, after, whole):
+    """One tangent where piece `after` goes on in the direction of `before`, at a knot: that of the side which tells it better.
+
+    Not `whole`: a bend was cut off there. The knot is a vertex then, unless the bend was a convex one that was cut off at its
+    peak: its leaf is farther from the knot than `TRIM`.
+    """
     tx = pieces_f[before, P_FRAME + 3]
     ty = pieces_f[before, P_FRAME + 4]
     ux = pieces_f[after, P_FRAME]
     uy = pieces_f[after, P_FRAME + 1]
-    if tx * ux + ty * uy < SAME_WAY:  # it stands still at the knot
+    spirals = pieces_i[before, P_KIND] == SPIRAL and pieces_i[after, P_KIND] == SPIRAL
+    peak = max(pieces_f[before, P_FRAME + 5], pieces_f[after, P_FRAME + 2]) if spirals else 0.0
+    if not whole and not (0.0 < peak * TRIM < AT_PEAK and tx * uy - ty * ux >= 0.0):
+        return
+    pieces_i[after, P_GOES_ON] = 1
+    if not spirals or tx * ux + ty * uy < SAME_WAY:  # it stands still at the knot
         return
     end = pieces_i[before, P_CP0] + pieces_i[before, P_DEG]
     start = pieces_i[after, P_CP0]

@@ -14,13 +14,12 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.bernstein import add_product, clear_row, first_sign, last_sign, restrict_row, scale_row, sign_changes
+from mat_core.boundary.parts import SHORT, SMALLEST_PART, extent, place_part
+from mat_core.kernels.bernstein import add_product, clear_row, first_sign, last_sign, scale_row, sign_changes
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 
 FAINT = 1e-8  # share of the largest coefficient of N below which one has lost half of its digits
-SMALLEST_PART = 2.0**-40
-SHORT = 256.0  # roundings: a part shorter than this has no direction of its own
 SCRATCH_ROWS = 24
 _X, _Y, _W, _X1, _Y1, _W1, _X2, _Y2, _W2, _X3, _Y3, _W3 = range(12)
 _T0, _T1, _DET, _DETD, _A, _B, _AD, _BD, _Q, _S, _N = range(12, 23)
@@ -29,68 +28,6 @@ _T0, _T1, _DET, _DETD, _A, _B, _AD, _BD, _Q, _S, _N = range(12, 23)
 def scratch_width(max_degree: int) -> int:
     """Length of a scratch row for the numerator of k' of a rational Bezier of this degree."""
     return 8 * max_degree + 2
-
-
-@inner
-def nearest_row(cp, c0, deg, rational, s):
-    """The row of the control point that says most about the point at s: that is near it where its weight is far above the others.
-
-    Relative to it nothing cancels: where the weight changes fast, the rounding of a far reference would be a speed.
-    """
-    if not rational or s <= 0.0 or s >= 1.0:
-        return c0 if s <= 0.5 else c0 + deg
-    low = s <= 0.5
-    ratio = s / (1.0 - s) if low else (1.0 - s) / s
-    best = c0
-    most = 0.0
-    factor = 1.0
-    for step in range(deg + 1):
-        i = c0 + (step if low else deg - step)
-        if factor * cp[i, 2] > most:
-            most = factor * cp[i, 2]
-            best = i
-        factor *= ratio * (deg - step) / (step + 1.0)
-    return best
-
-
-@inner
-def place_part(cp, c0, deg, rational, begin, end, table, target):
-    """(x, y): start of the part [begin, end] of a Bezier; its control points relative to that go to rows target.. of `cp`.
-
-    With numerators N = w (P - Q), Q the `nearest_row`, and S = start - Q, the restricted differences of N and w are summed up:
-    control points of a short part, start + (sum dN - S sum dw) / w, keep the digits that restricted N and w would lose.
-    """
-    near = nearest_row(cp, c0, deg, rational, begin)
-    rx = cp[near, 0]
-    ry = cp[near, 1]
-    sx = cp[c0, 0] - rx
-    sy = cp[c0, 1] - ry
-    if begin > 0.0:
-        sx, sy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, rx, ry)
-    for i in range(deg + 1):
-        w = cp[c0 + i, 2]
-        table[_X, i] = w * (cp[c0 + i, 0] - rx)
-        table[_Y, i] = w * (cp[c0 + i, 1] - ry)
-        table[_W, i] = w
-    for i in range(deg):
-        table[_X1, i] = table[_X, i + 1] - table[_X, i]
-        table[_Y1, i] = table[_Y, i + 1] - table[_Y, i]
-        table[_W1, i] = table[_W, i + 1] - table[_W, i]
-    restrict_row(table, _W, deg, begin, end)
-    restrict_row(table, _X1, deg - 1, begin, end)
-    restrict_row(table, _Y1, deg - 1, begin, end)
-    restrict_row(table, _W1, deg - 1, begin, end)
-    x = y = more = 0.0
-    for i in range(deg + 1):
-        w = table[_W, i]
-        cp[target + i, 0] = (x - sx * more) / w
-        cp[target + i, 1] = (y - sy * more) / w
-        cp[target + i, 2] = w
-        if i < deg:
-            x += (end - begin) * table[_X1, i]
-            y += (end - begin) * table[_Y1, i]
-            more += (end - begin) * table[_W1, i]
-    return rx + sx, ry + sy
 
 
 @inner
@@ -214,15 +151,6 @@ def _is_faint(table, n):
             return True
         before = faint
     return False
-
-
-@inner
-def extent(cp, c0, deg):
-    """Length of the control polygon, each side measured along x and y."""
-    length = 0.0
-    for i in range(c0, c0 + deg):
-        length += abs(cp[i + 1, 0] - cp[i, 0]) + abs(cp[i + 1, 1] - cp[i, 1])
-    return length
 
 
 @inner

@@ -24,6 +24,7 @@ from mat_core.boundary.chain import (
     P_Y,
     P_Y_LOW,
 )
+from mat_core.boundary.faint import flatten_rises
 from mat_core.boundary.turning import joint_turn
 from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import (
@@ -237,6 +238,7 @@ def fill_sites(pieces_i, pieces_f, piece_loop_start, cp, smooth_angle, bent_back
         for p in range(n):
             after = p + 1 if p + 1 < n else 0
             _fill_piece(pieces_i, pieces_f, first + p, first + after, cp, base + p, loop, si, sf)
+        flatten_rises(si, sf, cp, base, n)
         fans = 0
         for p in range(n):
             a = base + (p if p > 0 else n) - 1

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import end_curvature, from_nearest, is_idle, peak_at_end, tight_cut, total_turning, trimmed
+from mat_core.boundary.bends import is_idle, peak_at_end, tight_cut, total_turning, trimmed
 from mat_core.boundary.chain import (
     P_CENTRE_X,
     P_CENTRE_Y,
@@ -29,9 +29,10 @@ from mat_core.boundary.chain import (
     go_on,
     longest_of,
 )
-from mat_core.boundary.curvature import SHORT, SMALLEST_PART, circle_of, curvature_changes, extent, nearest_row, place_part
+from mat_core.boundary.curvature import circle_of, curvature_changes
 from mat_core.boundary.joints import end_frame
-from mat_core.kernels.bezier import balance
+from mat_core.boundary.parts import SHORT, UNEVEN, about_nearest, even_end, extent, from_nearest, place_part
+from mat_core.kernels.bezier import balance, unevenness
 from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
@@ -39,7 +40,6 @@ from mat_core.kernels.layout import ARC, LINE, SPIRAL
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 SHORTEST = 1e-9  # of the parameter; what is shorter is not halved, however much it turns
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
-UNEVEN = 64.0  # ratio of weights up to which the numerator of k' has its signs right
 
 
 @inner
@@ -82,12 +82,6 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
         pieces_f[row, P_FRAME + 3 * side] = tx
         pieces_f[row, P_FRAME + 3 * side + 1] = ty
         pieces_f[row, P_FRAME + 3 * side + 2] = k
-    before = pieces_f[row, P_FRAME + 2]
-    after = pieces_f[row, P_FRAME + 5]
-    if begin == 0.0 and before > 0.0 > after:
-        pieces_f[row, P_FRAME + 2] = end_curvature(cp, c0, deg, rational, begin, end, before)
-    elif end == 1.0 and after > 0.0 > before:
-        pieces_f[row, P_FRAME + 5] = end_curvature(cp, c0, deg, rational, end, begin, after)
 
 
 @inner
@@ -140,20 +134,20 @@ def _simple_kind(cp, c0, deg, rational, rounding, table):
 @inner
 def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table,
                 work, bounds, roots):
-    """Cut one Bezier into pieces; returns the new (pieces, rows of cp), pieces = -1 if a buffer is too small.
+    """Cut one Bezier into pieces; returns the new (pieces, rows of cp) and whether it begins and ends where they do.
 
-    A part of one that is known to be bent is neither straight nor an arc, however short.
+    pieces = -1 if a buffer is too small. A part of one that is known to be bent is neither straight nor an arc, however short.
     """
     n_roots = 0
     kind, k, cx, cy = (SPIRAL, 0.0, 0.0, 0.0) if bent else _simple_kind(cp, c0, deg, rational, rounding, table)
     if kind == SPIRAL:
         n_roots = curvature_changes(cp, c0, deg, rational, cp_used, rounding, table, work, bounds, roots)
         if n_roots < 0:
-            return -1, cp_used
+            return -1, cp_used, False, False
     first = count
     gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
-    start = trimmed(cp, c0, deg, rational, 0, roots, n_roots)
-    last = trimmed(cp, c0, deg, rational, 1, roots, n_roots)
+    start = trimmed(cp, c0, deg, rational, 0, roots, n_roots, noise)
+    last = trimmed(cp, c0, deg, rational, 1, roots, n_roots, noise)
     if not start < last:
         start = 0.0
         last = 1.0
@@ -169,7 +163,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
         while begin < stop:
             end = stop if kind == LINE else _gentle_end(cp, c0, deg, rational, begin, stop, kind, rounding)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
-                return -1, cp_used
+                return -1, cp_used, False, False
             x, y = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
             if kind == SPIRAL:
                 _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
@@ -195,27 +189,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
                     cp, c0, deg, rational, end, roots, n_roots, pieces_f[row, P_FRAME + 3 * end + 2], rounding)
     if start > 0.0 or last < 1.0:
         _mended(cp, c0, deg, rational, start, last, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0])
-    return count, cp_used
-
-
-@inner
-def _is_uneven(cp, c0, deg):
-    """Whether the weights of a Bezier differ so much that the signs of k' drown in rounding."""
-    low = high = cp[c0, 2]
-    for i in range(1, deg + 1):
-        low = min(low, cp[c0 + i, 2])
-        high = max(high, cp[c0 + i, 2])
-    return high > UNEVEN * low
-
-
-@inner
-def _about_nearest(cp, cp_low, c0, deg, begin, target):
-    """A Bezier relative to the control point that says most about its point at `begin`, in rows target.. of `cp`."""
-    near = nearest_row(cp, c0, deg, 1, begin)
-    for i in range(deg + 1):
-        for axis in range(2):
-            cp[target + i, axis] = (cp[c0 + i, axis] - cp[near, axis]) + (cp_low[c0 + i, axis] - cp_low[near, axis])
-        cp[target + i, 2] = cp[c0 + i, 2]
+    return count, cp_used, start == 0.0, last == 1.0
 
 
 @inner
@@ -228,6 +202,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
     Returns (pieces, rows of cp); pieces = -1 if a buffer is too small.
     """
     count = 0
+    ends_whole = False
     piece_loop_start[0] = 0
     for loop in range(bez_loop_start.shape[0] - 1):
         for b in range(bez_loop_start[loop], bez_loop_start[loop + 1]):
@@ -237,7 +212,8 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             ub = bez_f[b, 1]
             skew = bez_f[b, 2]
             first = count
-            uneven = deg > 1 and _is_uneven(cp, c0, deg)
+            joined_whole = True
+            uneven = deg > 1 and unevenness(cp, c0, deg) > UNEVEN
             bent = uneven and _simple_kind(cp, c0, deg, 1, rounding, table)[0] == SPIRAL
             begin = 0.0
             u_begin = ua
@@ -248,31 +224,32 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                 u_end = ub
                 part_skew = skew
                 if uneven:
-                    if cp_used + 2 * (deg + 1) > cp.shape[0]:
+                    part = cp_used
+                    about = cp_used + deg + 1
+                    if about + deg + 1 > cp.shape[0]:
                         return -1, cp_used
-                    _about_nearest(cp, cp_low, c0, deg, begin, cp_used + deg + 1)
-                    place_part(cp, cp_used + deg + 1, deg, 1, begin, end, table, cp_used)
+                    about_nearest(cp, cp_low, c0, deg, begin, about)
+                    end = even_end(cp, about, deg, begin, end, table, part, rounding)
+                    place_part(cp, about, deg, 1, begin, end, table, part)
                     before = skew * begin + (1.0 - begin)
                     after = skew * end + (1.0 - end)
                     if end < 1.0:
                         u_end = ua + skew * end / after * (ub - ua)
-                    part_skew = after / before * balance(cp, cp_used, deg)
-                    if step > SMALLEST_PART and _is_uneven(cp, cp_used, deg):
-                        step *= 0.5
-                        continue
-                    part = cp_used
-                    cp_used += deg + 1
-                count, cp_used = _cut_bezier(
+                    part_skew = after / before * balance(cp, part, deg)
+                    cp_used = about
+                count, cp_used, from_start, whole = _cut_bezier(
                     cp, part, deg, bez_i[b, 2], bent, bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew, cp_used, count,
                     pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
                 if count < 0:
                     return -1, cp_used
+                step = 2.0 * (end - begin)
+                if begin == 0.0:
+                    joined_whole = ends_whole and from_start
+                ends_whole = whole
                 begin = end
                 u_begin = u_end
-                step *= 2.0
             if bez_i[b, 5] and b > bez_loop_start[loop]:
-                pieces_i[first, P_GOES_ON] = 1
-                go_on(cp, pieces_i, pieces_f, first - 1, first)
+                go_on(cp, pieces_i, pieces_f, first - 1, first, joined_whole)
             chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest_of(cp, deg, pieces_i, first, count), count)
         piece_loop_start[loop + 1] = count
     return count, cp_used

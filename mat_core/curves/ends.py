@@ -48,8 +48,17 @@ def tangent(track: Track, a: int, sa: float, b: int, sb: float, r: float, sign: 
     vertex_b = track.si[b, V0] if sb <= 0.0 else (track.si[b, V1] if sb >= 1.0 else -2)
     if vertex_a == vertex_b and (r > 0.0 or length <= PARALLEL) or length == 0.0:
         return -sign * ay, sign * ax, sign
-    tx /= length
-    ty /= length
+    # n1 + n2 is at right angles to that, and the longer one of the two tells the direction to more digits
+    ux = -(ay + by)
+    uy = ax + bx
+    sum_length = math.sqrt(ux * ux + uy * uy)
+    if sum_length > length:
+        along = sum_length if ux * tx + uy * ty > 0.0 else -sum_length
+        tx = ux / along
+        ty = uy / along
+    else:
+        tx /= length
+        ty /= length
     return tx, ty, ty * ax - tx * ay
 
 

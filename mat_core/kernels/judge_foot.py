@@ -11,7 +11,9 @@ from mat_core.kernels.layout import ARC, CP0, DEG, FAN, K0, KIND, LINE, RATIONAL
 NEWTON = 60  # steps of the bracketed Newton iterations; halving alone ends in as many
 INSET = 1e-3  # a first guess at an end is taken this share of the interval inside
 SETTLED = 1e-8  # a Newton step below this squares to rounding
-RETRIES = 6  # first guesses for a local foot
+RETRIES = 6  # first guesses for a local foot,
+END_RETRIES = 6  # and more where that is an end, each this share of the last one's way from it:
+TOWARDS_END = 0.05
 CLOSE = 1e-11  # a foot this near to where a disc should touch is the one that was looked for; well below what a check forgives
 
 
@@ -119,7 +121,8 @@ def distance_from(si, sf, cp, i, lo, hi, guess, x, y, r, granted):
         return abs(math.sqrt(dx * dx + dy * dy) - r), guess
     best = math.inf
     best_s = guess
-    for attempt in range(RETRIES):
+    inside = 1.0
+    for attempt in range(RETRIES + END_RETRIES):
         distance, s = foot(si, sf, cp, i, lo, hi, x, y, guess)
         off = abs(distance - r)
         if off < best:
@@ -128,4 +131,10 @@ def distance_from(si, sf, cp, i, lo, hi, guess, x, y, r, granted):
         if best <= max(granted, CLOSE):
             break
         guess = lo + (attempt + 0.5) / (RETRIES - 1.0) * (hi - lo)
+        if attempt >= RETRIES - 1:
+            # an end may be a local foot beside the true one, which steps from farther inside pass over
+            inside *= TOWARDS_END
+            if lo < best_s < hi:
+                break
+            guess = lo + inside * (hi - lo) if best_s == lo else hi - inside * (hi - lo)
     return best, best_s

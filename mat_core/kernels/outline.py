@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.bezier import Floats, Ints, decompose, restrict
+from mat_core.kernels.bezier import Floats, Ints, decompose, restrict, unevenness
 from mat_core.kernels.jit import inner
 
 DEG, CP0, LOOP, EDGE = 0, 1, 2, 3
@@ -30,6 +30,7 @@ NOTHING = 1e-15  # control legs this short have no direction: the rounding of no
 RIGHT_ANGLE = -1e-12  # cosine accepted as "within a right angle", so that a quarter circle stays whole
 BLOCK = 32  # rows set aside for one control polygon, more than the largest degree + 1
 NARROWEST = 0.5**50  # parameter range: below it floats run out
+FASTEST = 64.0  # extent times the ratio of the weights: a piece that runs this fast is told to 1e-13 by the narrowest range
 
 @inner
 def split_range(stack: Floats, row: int, column: int) -> None:
@@ -67,6 +68,12 @@ def is_gentle(rows: Floats, c0: int, degree: int) -> bool:
             if la > NOTHING and lb > NOTHING and ax * bx + ay * by < RIGHT_ANGLE * la * lb:
                 return False
     return True
+
+
+@inner
+def runs_fast(rows: Floats, c0: int, degree: int, extent: float) -> bool:
+    """Whether a piece of this extent may run past what is near it within the narrowest range; not a line, which is its chord."""
+    return degree > 1 and unevenness(rows, c0, degree) * extent > FASTEST
 
 
 @inner
@@ -112,7 +119,8 @@ def cut_gently(
                     t1 = stack[top, 1]
                     restrict(work, k * (p + 1), p, t0, t1, work, scratch)
                     extent = span_of(work, scratch, p)
-                    if extent > SPECK and t1 - t0 > NARROWEST and not is_gentle(work, scratch, p):
+                    if extent > SPECK and t1 - t0 > NARROWEST and (
+                            runs_fast(work, scratch, p, extent) or not is_gentle(work, scratch, p)):
                         split_range(stack, top, 0)
                         top += 1
                         continue

@@ -21,6 +21,8 @@ POLISH_STEPS = 6
 LEVER = 1e4  # a step this many times what it mends goes where two contacts that nearly are one leave the disc free
 SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
 AS_WIDE = 0.5  # of the distance of the contacts of a disc, which the feet of one that stands for it must keep
+SAME_PLACE = 1e-6  # radii between a disc and the one solved for once more
+DEPTH_NOISE = 8e-15  # of contacts, of which only the direction tells one from the other: thirty-two roundings of a coordinate
 PARALLEL = 1e-7  # determinant of three contact directions below which a disc is not polished
 
 
@@ -90,8 +92,8 @@ def solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
     along = right if si[w_i[left, 0], KIND] == FAN else left
     other = left if along == right else right
     i = w_i[along, 0]
-    near = STEEP * disc[d, 2]
-    if si[i, KIND] == FAN or apart_sq(si, sf, cp, w_i[left, 0], s[1], w_i[right, 0], s[2]) > near * near:
+    between = math.sqrt(apart_sq(si, sf, cp, w_i[left, 0], s[1], w_i[right, 0], s[2]))
+    if si[i, KIND] == FAN or between > STEEP * disc[d, 2]:
         return 0
     lo = w_f[along, 0]
     hi = w_f[along, 1]
@@ -107,7 +109,9 @@ def solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, i, at, 0.0, 0.0)
     x = px - ty / phi
     y = py + tx / phi
-    if math.sqrt((x - disc[d, 0]) ** 2 + (y - disc[d, 1]) ** 2) > 1e-6 / phi:
+    # from arc 0 the two contacts tell the direction of the disc from them as well as the rounding of their depth lets them
+    doubt = min(DEPTH_NOISE / max(between, DEPTH_NOISE), STEEP)
+    if math.sqrt((x - disc[d, 0]) ** 2 + (y - disc[d, 1]) ** 2) * phi > max(SAME_PLACE, doubt):
         return 0
     disc[d, 0] = x
     disc[d, 1] = y

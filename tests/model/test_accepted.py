@@ -150,6 +150,13 @@ def test_weights_far_apart(ratio: float) -> None:
     assert accept(loop).area == pytest.approx(1 / 3, rel=1e-9)
 
 
+def test_a_curve_that_runs_fast_into_its_end() -> None:
+    """Its last floats of the parameter are 1e-10 apart, as the next edge bends back 1e-13 from there: they do not touch."""
+    fast = bezier((-1, -1), (-0.4, -1), (-0.2, -1), weights=[0.1, 4e4, 0.07])
+    bent = bezier((-0.2, -1), (-0.1, -1.2), (0.2, -0.8), (0.9, 0), weights=[2e4, 4e-6, 7e-3, 1e4])
+    accept([fast, bent, bezier((0.9, 0), (-1, 1)), bezier((-1, 1), (-1, -1))])
+
+
 def conic_area(w: float) -> float:
     """Area under the conic with control triangle (0, 0), (1/2, 1), (1, 0) and middle weight w, by fine quadrature."""
     # With t = v / (1 + v) = 1 / (1 + exp(-z)) the integrand is smooth in z whatever the weight.
