@@ -13,6 +13,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -35,6 +36,11 @@ CHECK_STEP_RANGE = (1, 10**6)
 
 STAGES = {"sites": 0.0, "skeleton": 0.05, "graph": 0.3, "curves": 0.35, "certificate": 0.45}
 """The stages that are reported as they begin, with the share of a large domain's time that lies before each, roughly."""
+
+LEAST_TOLERANCE = "; all else is right, but the curves can be told to {:.2g} of the size only: ask for no finer tolerance"
+"""What a failure says beside that when nothing but the tolerance is out of reach."""
+
+ROUNDED_UP = 1.05  # so that two digits are no less
 
 Progress = Callable[[str, float], None]
 
@@ -102,7 +108,7 @@ def medial_axis(
     threads = threads_allowed(threads)
     if method == "march":
         return _march(domain, tolerance, step, smooth_angle, check_step, progress, threads)
-    first: NotCertified | None = None
+    told: NotCertified | None = None
     failed: set[bytes] = set()
     for tolerances in LADDER:
         _begin(progress, "sites")
@@ -111,17 +117,17 @@ def medial_axis(
         try:
             skeleton, graph = _network(table, build_skeleton(table, tolerances, threads), tolerances, progress)
         except NotCertified as error:
-            first = first or error
+            told = _more_helpful(told, error)
             continue
         if failed and _fingerprint(table, skeleton) in failed:
             continue
         try:
             return _finish(domain, table, skeleton, graph, tolerance, step, progress, threads)
         except NotCertified as error:
-            first = first or error
+            told = _more_helpful(told, error)
             failed.add(_fingerprint(table, skeleton))
-    assert first is not None
-    raise first
+    assert told is not None
+    raise told
 
 
 def _march(
@@ -180,8 +186,24 @@ def _finish(
     if not certificate.passed:
         name, check = next((name, check) for name, check in certificate["checks"].items() if not check["passed"])
         place = tuple(check["place"]) if check.get("place") else None
-        raise NotCertified(f"{name}: {check['detail']}", place, certificate)
+        error = NotCertified(f"{name}: {check['detail']}", place, certificate)
+        nearest = _nearest(error)
+        if nearest < math.inf:
+            error = NotCertified(error.detail + LEAST_TOLERANCE.format(ROUNDED_UP * nearest), place, certificate)
+        raise error
     return axis.with_certificate(certificate)
+
+
+def _more_helpful(known: NotCertified | None, error: NotCertified) -> NotCertified:
+    """The failure of a rung to tell: the first one, unless all is right but that curves are not near enough."""
+    return error if known is None or _nearest(error) < _nearest(known) else known
+
+
+def _nearest(error: NotCertified) -> float:
+    """How near the curves are, relative to the size, where this is all that is wrong; else infinity."""
+    checks: dict[str, Any] = dict(error.certificate.get("checks", {}))  # type: ignore[call-overload]
+    wrong = [name for name, check in checks.items() if not check["passed"]]
+    return float(checks["curves_tolerance"]["measured"]) if wrong == ["curves_tolerance"] else math.inf
 
 
 def _begin(progress: Progress | None, stage: str) -> None:

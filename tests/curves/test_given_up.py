@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from mat_core import Domain, NotCertified
+from mat_core import Domain, NotCertified, medial_axis
 from mat_core.axis.records import CurveTable
 from mat_core.boundary.sites import SiteTable, build_sites
 from mat_core.curves.assemble import build_curves
@@ -19,6 +20,7 @@ from mat_core.topology.building import build_skeleton
 from mat_core.topology.graph import AxisGraph, build_graph
 from mat_core.topology.skeleton import Skeleton
 from tests.families import CATALOGUE
+from tests.hunt.draw import draw
 
 Stages = tuple[SiteTable, Skeleton, AxisGraph]
 SHAPES = ("ellipse", "kidney", "blob_holes", "heart", "mixed")
@@ -135,3 +137,15 @@ def test_a_footpoint_off_its_disc_on_one_side_is_no_harm() -> None:
             curves = build_curves(table, skeleton._replace(strip_s=strip_s), graph, 1e-10)
             largest = max(largest, float(curves.max_error.max()))
     assert largest <= 1e-9
+
+
+@pytest.mark.parametrize(("family", "seed"), [("tangent_arcs", 21001), ("noise_hole_grid", 21004), ("noise_quad_circle", 21002)])
+def test_a_tolerance_below_what_rounding_allows_says_which_one_can_be_had(family: str, seed: int) -> None:
+    shape = draw(family, seed)
+    domain = Domain.from_dict({"outer": shape["outer"], "holes": shape["holes"]})
+    with pytest.raises(NotCertified, match="ask for no finer tolerance") as given_up:
+        medial_axis(domain, tolerance=1e-12)
+    told = re.search(r"told to (\S+) of the size", str(given_up.value))
+    assert told is not None
+    assert 1e-12 < float(told[1]) < 1e-8
+    assert medial_axis(domain, tolerance=float(told[1])).certificate["passed"]
