@@ -30,6 +30,7 @@ from mat_core.boundary.chain import (
     longest_of,
 )
 from mat_core.boundary.curvature import circle_of, curvature_changes
+from mat_core.boundary.faint import before_rise
 from mat_core.boundary.joints import end_frame
 from mat_core.boundary.parts import SHORT, UNEVEN, about_nearest, even_end, extent, from_nearest, place_part
 from mat_core.kernels.bezier import balance, unevenness
@@ -229,7 +230,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                     if about + deg + 1 > cp.shape[0]:
                         return -1, cp_used
                     about_nearest(cp, cp_low, c0, deg, begin, about)
-                    end = even_end(cp, about, deg, begin, end, table, part, rounding)
+                    end = before_rise(cp, about, deg, begin, even_end(cp, about, deg, begin, end, table, part, rounding))
                     place_part(cp, about, deg, 1, begin, end, table, part)
                     before = skew * begin + (1.0 - begin)
                     after = skew * end + (1.0 - end)
