@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.reference import CORNER, Contacts, CurveSet, Floats, Ints, Reference, full_knots, homogeneous
+from tests.reference import CORNER, TINY, Contacts, CurveSet, Floats, Ints, Reference, full_knots, homogeneous
 
 Json = dict[str, Any]
 
@@ -31,7 +31,8 @@ BESIDE_CORNER = 0.02  # how far such a branch reaches along the boundary, where 
 FLAT_REACH = 1e-6  # of the radius, from the circle to such a corner
 UNSEEN_DEPTH = 1e-13  # nor is this seen, from such a corner to a disc that touches both its sides
 EXACT = 1e-9  # accuracy asked of nodes and of exact conics
-ONE_DISC = 2e-12  # a node may stand for several that are as near to each other
+ONE_DISC = 4e-12  # a node may stand for several in a row that are a quarter of this from each other
+BEND_RADIUS = 1e-11  # curvature as tight as this may be that of a vertex
 ONE_PLACE = 1e-10  # contacts no farther apart than this are one
 ONE_BY_ROUNDING = 1e-14  # so are these, where the boundary does not follow the disc and a minimum is well placed
 ONE_BY_SLACK = 1e-8  # and these, of the radius: so far beside a cell's end the distance grows by no more than `true_minima` tells
@@ -276,6 +277,10 @@ def check_discs(report: Report, answer: Answer, reference: Reference, tolerance:
         # nor can the oracle see how far a corner stands back from a disc that touches both its sides
         back = gap * np.concatenate([reference.flat_turns, np.ones(len(reference.bends_beside_reflex))])
         lonely = lonely[((gap > 1e-5 * radius[lonely][:, None] + 1e-9) & (back > UNSEEN_DEPTH)).all(axis=1)]
+    # the sides of a corner that turns by a touch a disc at r a / 2 from it: too near to each other, maybe, to be seen as two
+    for corner in (c for c in reference.corners if c.turn > 0):
+        apart = radius[lonely] * corner.turn
+        lonely = lonely[(apart > ONE_PLACE) | (np.linalg.norm(anchor[lonely] - corner.point, axis=1) > apart)]
     shown = "" if not len(lonely) else f"{center[lonely[0]]} r {radius[lonely[0]]:.6g} segment {owner[lonely[0]]}"
     report.require(not len(lonely), f"discs touching one place only: {len(lonely)} of {len(center)}, at {shown}")
 
@@ -345,7 +350,9 @@ def check_coverage(
         off = np.minimum(off, np.linalg.norm(true - node, axis=1))
     stated = [tolerance if not is_exact(s) else float(s["max_error"]) / answer.size for s in answer.segments]
     limit = EXACT + 10 * reference.floor + max(stated, default=0.0)
-    sharp = discs.blur < 1e-3
+    # a disc that touches twice within what may be a vertex to any disc, or osculates there, is on no branch but its own
+    way = np.linalg.norm(discs.partner - probes[0], axis=1)
+    sharp = (discs.blur < 1e-3) & np.where(way > 0.0, way > 2 * TINY, discs.radius > BEND_RADIUS)
     # the branch into a corner that is taken as smooth is left out: discs that touch on both sides beside it are on that branch
     for corner in reference.flat_corners:
         ways = [np.linalg.norm(p - corner, axis=1) for p in (probes[0], discs.partner)]
@@ -453,6 +460,7 @@ def check_nodes(report: Report, answer: Answer, reference: Reference) -> None:
         # a disc that reaches both sides of a corner too flat to see has two contacts there, or one if the corner is smooth
         reached = np.abs(np.linalg.norm(reference.flat_corners - center, axis=1) - answer.node_disc[i, 2])
         flat = int(np.count_nonzero(reached < FLAT_REACH * answer.node_disc[i, 2]))
+        seen += hidden_feet(answer, n)
         report.require(whole or degree <= seen + flat, f"{where}: only {seen + flat} contacts")
         if answer.node_disc[i, 2] > 1e-4:
             report.require(whole or degree >= min(len(tight), len(loose)) - flat, f"{where}: {len(tight)} contacts")
@@ -460,6 +468,12 @@ def check_nodes(report: Report, answer: Answer, reference: Reference) -> None:
         report.require(kind != "curvature_center" or degree == 1, f"{where}: no leaf")
         report.require(kind != "arc_center" or max(loose) > 1e-3, f"{where}: touches along no arc")
         report.require(kind != "point" or (whole and not answer.segments), f"{where}: the domain is no disc")
+
+
+def hidden_feet(answer: Answer, node: Json) -> int:
+    """Footpoints of a node beside others, nearer than the oracle tells contacts apart (`check_footpoints` judges them)."""
+    feet = np.array([f["point"] for f in node["footpoints"]]) / answer.size
+    return sum(bool((np.linalg.norm(feet[:i] - foot, axis=1) < TINY).any()) for i, foot in enumerate(feet))
 
 
 def check_footpoints(report: Report, answer: Answer, reference: Reference, tolerance: float) -> None:

@@ -27,6 +27,7 @@ SHARE_EMPTY, SHARE_DOUBT = 1e-4, 1e-2  # of its radius, if that is less
 FAINT = 1e-7  # radians; a rise of the curvature to above zero that turns by less is not seen with certainty,
 FAINT_DEPTH = 1e-15  # nor one that turns by less than this over its width
 RIPPLE = 0.01  # of the curvature in such a bend, between two of its maxima
+LEAST_LEAF = 1e-10  # smaller ones may be one with what is near them
 AT_VERTEX = 1e-11  # a bend that is a vertex begins and ends this near to it
 AROUND = 4  # points of the grid on either side that a maximum is above; where cells meet, rounding makes maxima of one
 FLAT = 1e-4  # radians; a corner that turns by less is not seen with certainty
@@ -43,13 +44,17 @@ class Leaves(NamedTuple):
 def count_leaves(reference: Reference) -> Leaves:
     """Leaves of the axis, by corners and curvature."""
     flat_corners = sum(SMOOTH_TURN < c.turn <= FLAT for c in reference.corners)
-    count = sum(c.turn > 0 for c in reference.corners) - flat_corners
+    vertices = np.array([c.point for c in reference.corners if c.turn > 0]).reshape(-1, 2)
+    at_one = sum(bool((np.linalg.norm(vertices[:i] - v, axis=1) < AT_VERTEX).any()) for i, v in enumerate(vertices))
+    flat_corners += at_one  # what looks like two vertices may be one bend
+    count = len(vertices) - flat_corners
     at_rest = {int(i) for i in np.nonzero(reference.stalls)[0]}
     doubtful = 2 * sum(c.turn < 0 and c.cell in at_rest for c in reference.corners)  # a leaf of radius 0 for each side
-    doubtful += sum(max(0, tips(reference, b) - (b.turn > reference.smooth_angle)) for b in reference.bends)
+    # right before a bend and right after it there may be a leaf that is as small
+    doubtful += sum(2 + max(0, tips(reference, b) - (b.turn > reference.smooth_angle)) for b in reference.bends)
     for cell, s, flat, hidden, faint in candidates(reference):
         p, normal, curvature = (v[0] for v in reference.at(np.array([cell]), np.array([s])))
-        if not np.isfinite(curvature):
+        if not curvature < 1 / LEAST_LEAF:
             doubtful += 1
             continue
         center = p + normal / curvature

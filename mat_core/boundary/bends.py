@@ -59,7 +59,7 @@ def is_idle(cp, c0, deg, rational, a, b, rounding):
 
 
 @inner
-def _turn_between(cp, c0, deg, rational, a, b):
+def turn_between(cp, c0, deg, rational, a, b):
     """The angle between the tangents at two parameters."""
     x, y, x1, y1, x2, y2 = from_nearest(cp, c0, deg, rational, a)
     u, v, u1, v1, u2, v2 = from_nearest(cp, c0, deg, rational, b)
@@ -73,7 +73,7 @@ def _asked(what, cp, c0, deg, rational, at, s):
         return apart(cp, c0, deg, rational, at, s)
     if what == STRAIGHTNESS:
         return -curvature_at(cp, c0, deg, rational, s)
-    return _turn_between(cp, c0, deg, rational, at, s)
+    return turn_between(cp, c0, deg, rational, at, s)
 
 
 @inner

@@ -58,8 +58,10 @@ def chain(cp, cp_low, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
 
 
 @inner
-def go_on(cp, pieces_i, pieces_f, before, after, whole):
+def go_on(cp, pieces_i, pieces_f, before, after, whole, bent_alike):
     """One tangent where piece `after` goes on in the direction of `before`, at a knot: that of the side which tells it better.
+
+    One curvature, too, where both are `bent_alike`: a side whose own rounding hid that it rises there would have a leaf.
 
     Not `whole`: a bend was cut off there. The knot is a vertex then, unless the bend was a convex one that was cut off at its
     peak: its leaf is farther from the knot than `TRIM`.
@@ -79,9 +81,8 @@ def go_on(cp, pieces_i, pieces_f, before, after, whole):
     start = pieces_i[after, P_CP0]
     left = abs(cp[end, 0] - cp[end - 1, 0]) + abs(cp[end, 1] - cp[end - 1, 1])
     right = abs(cp[start + 1, 0]) + abs(cp[start + 1, 1])
-    if left >= right:
-        pieces_f[after, P_FRAME] = tx
-        pieces_f[after, P_FRAME + 1] = ty
-    else:
-        pieces_f[before, P_FRAME + 3] = ux
-        pieces_f[before, P_FRAME + 4] = uy
+    for column in range(3 if whole and bent_alike else 2):
+        if left >= right:
+            pieces_f[after, P_FRAME + column] = pieces_f[before, P_FRAME + 3 + column]
+        else:
+            pieces_f[before, P_FRAME + 3 + column] = pieces_f[after, P_FRAME + column]

@@ -52,8 +52,8 @@ def _collect_beziers(
 ):
     """Fill the tables of Beziers and cp; returns the rows of cp.
 
-    bez_i: degree, cp0, rational, edge, span, whether it goes on where the one before ends; bez_f: ua, ub, skew, start x, y and
-    their further digits. Control points are relative to the start of their Bezier; what is left beyond their digits: cp_low.
+    bez_i: degree, cp0, rational, edge, span, how many derivatives go on where the one before ends; bez_f: ua, ub, skew, start,
+    x and y, and their further digits. Control points are relative to the start of their Bezier; what their digits leave: cp_low.
     """
     count = 0
     used = 0
@@ -91,7 +91,7 @@ def _collect_beziers(
                 bez_i[count, 3] = edge - first
                 bez_i[count, 4] = span
                 knot = breaks[span + 1] if flip else breaks[span]
-                bez_i[count, 5] = _multiplicity(knots, knot_start[edge], knot_start[edge + 1], knot) < d
+                bez_i[count, 5] = max(d - _multiplicity(knots, knot_start[edge], knot_start[edge + 1], knot), 0)
                 bez_f[count, 0] = breaks[span + 1] if flip else breaks[span]
                 bez_f[count, 1] = breaks[span] if flip else breaks[span + 1]
                 bez_f[count, 2] = balance(cp, used, d)

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import STRAIGHTNESS, TURN, curvature_at, passing
+from mat_core.boundary.bends import STRAIGHTNESS, TURN, curvature_at, passing, turn_between
 from mat_core.boundary.parts import apart, from_nearest
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import CP0, DEG, K0, K1, KIND, RATIONAL, SPIRAL, TX0, TX1, TY0, TY1
@@ -36,6 +36,24 @@ def _turn(ax, ay, bx, by):
 def _is_faint(turn, width):
     """Whether no disc sees a rise with this turn that is bridged over this width."""
     return turn <= FAINT_TURN or turn * width <= 4.0 * FAINT_DEPTH
+
+
+@inner
+def before_rise(cp, c0, deg, begin, end):
+    """`end` of a part of a rational Bezier from `begin` on, or where the faint rise begins that it lies in.
+
+    Such a rise has a joint at its peak already: cut anywhere else, too, it would be two, whose pieces tell nothing of each other.
+    """
+    beyond = min(end + (end - begin), 1.0)
+    beside = max(curvature_at(cp, c0, deg, 1, begin), curvature_at(cp, c0, deg, 1, beyond))
+    if beside > LEAST or not curvature_at(cp, c0, deg, 1, end) > LEAST:
+        return end
+    first = passing(STRAIGHTNESS, -LEAST, cp, c0, deg, 1, end, end, begin)[1]
+    last = passing(STRAIGHTNESS, -LEAST, cp, c0, deg, 1, end, end, beyond)[1]
+    turn = turn_between(cp, c0, deg, 1, first, last)
+    back = passing(TURN, turn, cp, c0, deg, 1, first, first, begin)[1]
+    on = passing(TURN, turn, cp, c0, deg, 1, last, last, beyond)[1]
+    return first if _is_faint(turn, apart(cp, c0, deg, 1, back, on)) else end
 
 
 @inner

@@ -30,6 +30,7 @@ from mat_core.boundary.chain import (
     longest_of,
 )
 from mat_core.boundary.curvature import circle_of, curvature_changes
+from mat_core.boundary.faint import before_rise
 from mat_core.boundary.joints import end_frame
 from mat_core.boundary.parts import SHORT, UNEVEN, about_nearest, even_end, extent, from_nearest, place_part
 from mat_core.kernels.bezier import balance, unevenness
@@ -212,7 +213,6 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             ub = bez_f[b, 1]
             skew = bez_f[b, 2]
             first = count
-            joined_whole = True
             uneven = deg > 1 and unevenness(cp, c0, deg) > UNEVEN
             bent = uneven and _simple_kind(cp, c0, deg, 1, rounding, table)[0] == SPIRAL
             begin = 0.0
@@ -229,7 +229,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                     if about + deg + 1 > cp.shape[0]:
                         return -1, cp_used
                     about_nearest(cp, cp_low, c0, deg, begin, about)
-                    end = even_end(cp, about, deg, begin, end, table, part, rounding)
+                    end = before_rise(cp, about, deg, begin, even_end(cp, about, deg, begin, end, table, part, rounding))
                     place_part(cp, about, deg, 1, begin, end, table, part)
                     before = skew * begin + (1.0 - begin)
                     after = skew * end + (1.0 - end)
@@ -237,19 +237,20 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                         u_end = ua + skew * end / after * (ub - ua)
                     part_skew = after / before * balance(cp, part, deg)
                     cp_used = about
+                part_first = count
                 count, cp_used, from_start, whole = _cut_bezier(
                     cp, part, deg, bez_i[b, 2], bent, bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew, cp_used, count,
                     pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
                 if count < 0:
                     return -1, cp_used
-                step = 2.0 * (end - begin)
-                if begin == 0.0:
-                    joined_whole = ends_whole and from_start
+                # as many derivatives as go on from the part or the Bezier before
+                smooth = deg if begin > 0.0 else bez_i[b, 5]
+                if smooth > 0 and part_first > piece_loop_start[loop]:
+                    go_on(cp, pieces_i, pieces_f, part_first - 1, part_first, ends_whole and from_start, smooth > 1)
                 ends_whole = whole
+                step = 2.0 * (end - begin)
                 begin = end
                 u_begin = u_end
-            if bez_i[b, 5] and b > bez_loop_start[loop]:
-                go_on(cp, pieces_i, pieces_f, first - 1, first, joined_whole)
             chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest_of(cp, deg, pieces_i, first, count), count)
         piece_loop_start[loop + 1] = count
     return count, cp_used

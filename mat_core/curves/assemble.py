@@ -232,7 +232,7 @@ def build_curves(table: SiteTable, skeleton: Skeleton, graph: AxisGraph, toleran
 
 def build_axis(
     domain: Domain, table: SiteTable, skeleton: Skeleton, graph: AxisGraph, tolerance: float, step: float | None,
-    threads: int = 1,
+    threads: int = 1, closer: float = 1.0,
 ) -> MedialAxis:
     """The medial axis with its curves, still without a certificate.
 
@@ -249,10 +249,12 @@ def build_axis(
         Largest spacing of samples, relative to the larger side of the bounding box.
     threads : int
         How many may work at a time; the result does not depend on it.
+    closer : float
+        The share of the tolerance that curves are fitted within.
 
     Returns
     -------
     MedialAxis
     """
-    curves = build_curves(table, skeleton, graph, tolerance * domain.size * table.scale, threads)
+    curves = build_curves(table, skeleton, graph, closer * tolerance * domain.size * table.scale, threads)
     return MedialAxis(domain, table, skeleton, graph, curves, tolerance, step)
