@@ -80,10 +80,11 @@ class Blobs:
                 written.unlink(missing_ok=True)
         return digest
 
-    def adopt(self, written: Path) -> str:
-        """Store a file of the incoming folder, durably; it may be removed there."""
-        with written.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
+    def adopt(self, written: Path, digest: str | None = None) -> str:
+        """Store a file of the incoming folder, durably; it may be removed there. The digest may be known already."""
+        if digest is None:
+            with written.open("rb") as file:
+                digest = hashlib.file_digest(file, "sha256").hexdigest()
         self._place(written, digest)
         return digest
 
