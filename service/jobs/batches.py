@@ -7,8 +7,10 @@ caller's own line number.
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 from collections.abc import AsyncIterator
+from dataclasses import replace
 from pathlib import Path
 
 from service.jobs.blobs import Blobs
@@ -40,6 +42,7 @@ class Reader:
         self._settings, self._blobs, self._calls, self._folder = settings, blobs, calls, folder
         self.chunks: list[Chunk] = []
         self._files: list[Path] = []
+        self._writing: asyncio.Task[str] | None = None  # of the last of them, while the next one is being filled
         self._hash = hashlib.sha256()
         self._open: list[bytes] = []  # complete lines of the open chunk
         self._open_bytes = self._domains = self._lines = self._total = self._stored_lines = self._all_domains = 0
@@ -54,6 +57,18 @@ class Reader:
         StoreUnavailable
             The disk does not take it.
         """
+        try:
+            await self._read(body)
+            await self._written()
+        finally:
+            if self._writing is not None:
+                await asyncio.wait([self._writing])  # a thread would write into a folder that is being removed
+        if not self._all_domains:
+            raise BatchRefused("not-json", "The body holds no line with a domain.", 1)
+        return self._hash.hexdigest()
+
+    async def _read(self, body: AsyncIterator[bytes]) -> None:
+        """Cut a body into lines, and these into chunks."""
         begun: list[bytes] = []  # pieces of a line whose end has not come yet
         begun_bytes = 0
         async for piece in body:
@@ -73,22 +88,19 @@ class Reader:
         if begun_bytes:
             await self._take(b"".join(begun))
         await self._close()
-        if not self._all_domains:
-            raise BatchRefused("not-json", "The body holds no line with a domain.", 1)
-        return self._hash.hexdigest()
 
     async def store(self) -> None:
         """Give the chunks' files their names, once the body has come to its end."""
-        for k, written in enumerate(self._files):
-            chunk = self.chunks[k]
-            digest = await self._calls.file(self._blobs.adopt, written)
-            self.chunks[k] = Chunk(chunk.number, chunk.first, chunk.domains, digest)
+        await self._calls.file(self._blobs.adopt_all, self._by_digest())
 
     async def look_again(self) -> None:
         """Put back what was removed with another job before this one's rows were written; see `service.jobs.blobs`."""
-        for chunk, written in zip(self.chunks, self._files, strict=True):
-            if not await self._calls.file(self._blobs.has, chunk.body):
-                await self._calls.file(self._blobs.adopt, written)
+        for digest, written in self._by_digest().items():
+            if not await self._calls.file(self._blobs.has, digest):
+                await self._calls.file(self._blobs.adopt_all, {digest: written})
+
+    def _by_digest(self) -> dict[str, Path]:
+        return {chunk.body: written for chunk, written in zip(self.chunks, self._files, strict=True)}
 
     async def _take(self, line: bytes) -> None:
         """Put a line into the open chunk."""
@@ -105,15 +117,22 @@ class Reader:
             await self._close()
 
     async def _close(self) -> None:
-        """Write the open chunk, if there is a domain in it."""
+        """Have the open chunk written, if there is a domain in it, while the next one comes in."""
         if self._domains:
+            await self._written()
             written = self._folder / f"{len(self._files):06d}"
             content = b"\n".join(self._open)
-            await self._calls.file(written.write_bytes, content)
+            self._writing = asyncio.create_task(self._calls.file(self._blobs.write, written, content))
             self._files.append(written)
             self.chunks.append(Chunk(len(self.chunks), self._stored_lines, self._domains, ""))
             self._open, self._open_bytes, self._domains = [], 0, 0
             self._stored_lines = self._lines
+
+    async def _written(self) -> None:
+        """Wait until the last chunk is on disk."""
+        if self._writing is not None:
+            self.chunks[-1] = replace(self.chunks[-1], body=await asyncio.shield(self._writing))
+            self._writing = None
 
     def _check_line(self, size: int) -> None:
         """Refuse a line that is too long, as soon as it is known to be."""

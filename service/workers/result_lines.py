@@ -72,18 +72,19 @@ class Results:
 
     def add(self, line: bytes) -> None:
         """Write a line, given without its end. Raises `Unwritten`, and then nothing of it stays."""
-        content = line + b"\n"
-        left = memoryview(content)
+        size = len(line) + 1
         try:
-            while left:
-                left = left[os.write(self._file, left) :]
+            taken = os.writev(self._file, (line, b"\n"))
+            while taken < size:  # the disk is all but full
+                taken += os.write(self._file, (line + b"\n")[taken:])
         except OSError as error:
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file, self._size)
                 os.lseek(self._file, self._size, os.SEEK_SET)
             raise Unwritten(error.strerror) from error
-        self._hash.update(content)
-        self._size += len(content)
+        self._hash.update(line)
+        self._hash.update(b"\n")
+        self._size += size
         self._lines += 1
         self._failed += line.startswith(PROBLEM_LINE)
 

@@ -46,15 +46,14 @@ def test_a_line_that_the_disk_takes_half_of_leaves_nothing(tmp_path: Path, monke
     file = tmp_path / "results"
     results = Results(file, Written())
     results.add(b"one")
-    room = [5, 0]
+    write = os.write
 
-    def write(descriptor: int, content: bytes) -> int:
-        if (left := room.pop(0)) == 0:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        return os.pwrite(descriptor, content[:left], os.lseek(descriptor, 0, os.SEEK_CUR))
+    def write_nothing(descriptor: int, content: bytes) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     with monkeypatch.context() as patched:
-        patched.setattr(result_lines.os, "write", write)
+        patched.setattr(result_lines.os, "writev", lambda descriptor, parts: write(descriptor, parts[0][:5]))
+        patched.setattr(result_lines.os, "write", write_nothing)
         with pytest.raises(Unwritten, match="No space left"):
             results.add(b"two or three")
     assert file.read_bytes() == b"one\n"
@@ -62,6 +61,17 @@ def test_a_line_that_the_disk_takes_half_of_leaves_nothing(tmp_path: Path, monke
     results.close()
     assert file.read_bytes() == b"one\ntwo\n"
     assert results.digest == hashlib.sha256(b"one\ntwo\n").hexdigest()
+
+
+def test_a_line_that_is_taken_in_parts_is_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write = os.write
+    monkeypatch.setattr(result_lines.os, "writev", lambda descriptor, parts: write(descriptor, parts[0][:2]))
+    monkeypatch.setattr(result_lines.os, "write", lambda descriptor, content: write(descriptor, content[:3]))
+    results = Results(tmp_path / "results", Written())
+    results.add(b"one and two and three")
+    results.close()
+    assert (tmp_path / "results").read_bytes() == b"one and two and three\n"
+    assert results.written == whole(tmp_path / "results")
 
 
 def test_a_folder_that_is_not_there_is_told(tmp_path: Path) -> None:
