@@ -21,7 +21,7 @@ from service.errors import PROBLEM_LINE
 from service.settings import MIB
 from service.workers import wire
 
-NOTE_SECONDS = 0.05
+NOTE_SECONDS = 0.1
 """A worker on a chunk gives a sign of life after a line if it gave none for so long."""
 
 
