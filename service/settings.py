@@ -190,7 +190,7 @@ class Settings:
     job_retention_seconds : float
         How long jobs are kept after they ended, with their files.
     batch_chunk : int
-        Domains of a batch that are worked on at a time, and done again after a crash.
+        Most domains of a batch that are worked on at a time, and done again after a crash.
     max_batch_bytes : int
         Largest body of a batch; each of its lines is held to `max_body_bytes`.
     """

@@ -16,22 +16,27 @@ import contextlib
 import dataclasses
 import logging
 import os
+import signal
 import sys
+import tempfile
 import time
 from collections import Counter, deque
-from collections.abc import AsyncGenerator, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import IO, Any, cast
+from pathlib import Path
+from typing import IO, Any, NamedTuple
 
 import orjson
 from tqdm import tqdm
 
 from service.cli import files
-from service.cli.exits import FAILED, OK, SOME_FAILED, USAGE, Failure, tell
+from service.cli.exits import FAILED, OK, SOME_FAILED, TERMINATED, USAGE, Failure, tell
 from service.cli.request import additions, header, with_additions
 from service.errors import PROBLEM_LINE
 from service.settings import InvalidSetting, Settings, variable
-from service.workers.pool import Pool
+from service.workers.chunks import Lines
+from service.workers.pool import Pool, Unwritten
+from service.workers.result_lines import Written
 
 CHUNK_SECONDS = 0.5
 CHUNK_LINES = 500
@@ -48,6 +53,13 @@ PRIORITY = "low"
 """Of the workers, unless the settings say otherwise. There are no small requests here for which to take only what is left."""
 
 
+class Results(NamedTuple):
+    """The result lines of a chunk."""
+
+    content: bytes
+    written: Written
+
+
 @dataclass(slots=True)
 class Tally:
     """What became of the domains: how many were answered, and how many not, by code."""
@@ -55,10 +67,12 @@ class Tally:
     lines: int = 0
     failed: Counter[str] = field(default_factory=Counter)
 
-    def add(self, results: list[bytes]) -> None:
+    def add(self, results: Results) -> None:
         """Count result lines."""
-        self.lines += len(results)
-        self.failed.update(orjson.loads(line)["code"] for line in results if line.startswith(PROBLEM_LINE))
+        self.lines += results.written.lines
+        if results.written.failed:
+            lines = results.content.splitlines()
+            self.failed.update(orjson.loads(line)["code"] for line in lines if line.startswith(PROBLEM_LINE))
 
     def __str__(self) -> str:
         kinds = ", ".join(f"{count} {code}" for code, count in self.failed.most_common())
@@ -76,7 +90,10 @@ def batch(asked: argparse.Namespace) -> int:
     try:
         with files.reading(asked.input) as source, _bar(asked, out.kept) as bar:
             chunks = Chunks(source, members, out.kept)
-            asyncio.run(_run(Pool(settings), told, chunks, settings.workers, out, tally, bar))
+            with tempfile.TemporaryDirectory(prefix="mat-") as folder:
+                asyncio.run(_run(Pool(settings), told, chunks, settings.workers, Path(folder), out, tally, bar))
+    except asyncio.CancelledError:
+        raise Failure(TERMINATED, "told to end") from None
     finally:
         out.close()
     if tally.failed:
@@ -175,10 +192,20 @@ class Chunks:
 
 
 async def _run(
-    pool: Pool, told: dict[str, Any], chunks: Chunks, workers: int, out: files.LinesOut, tally: Tally, bar: tqdm[Any]
+    pool: Pool,
+    told: dict[str, Any],
+    chunks: Chunks,
+    workers: int,
+    folder: Path,
+    out: files.LinesOut,
+    tally: Tally,
+    bar: tqdm[Any],
 ) -> None:
     """Keep the workers busy, and write what they answer in the order of the input."""
-    under_way: deque[asyncio.Task[list[bytes]]] = deque()
+    this = asyncio.current_task()
+    assert this is not None, "it is run as one"
+    asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, this.cancel)
+    under_way: deque[asyncio.Task[Results]] = deque()
     async with pool.running():
         await _loaded(pool, bar)
         try:
@@ -188,13 +215,13 @@ async def _run(
                     chunk = await asyncio.to_thread(chunks.next)
                     more = chunk is not None
                     if chunk is not None:
-                        under_way.append(asyncio.create_task(_results(pool, told, chunks, *chunk)))
+                        under_way.append(asyncio.create_task(_results(pool, told, chunks, folder, *chunk)))
                 if not under_way:
                     return
                 results = await under_way.popleft()
-                await asyncio.to_thread(out.add, results)
+                await asyncio.to_thread(out.add, results.content)
                 tally.add(results)
-                bar.update(len(results))
+                bar.update(results.written.lines)
                 bar.set_postfix(failed=tally.failed.total(), refresh=False)
         finally:
             for task in under_way:
@@ -213,11 +240,16 @@ async def _loaded(pool: Pool, bar: tqdm[Any]) -> None:
     bar.set_description("")
 
 
-async def _results(pool: Pool, told: dict[str, Any], chunks: Chunks, first: int, body: bytes) -> list[bytes]:
+async def _results(pool: Pool, told: dict[str, Any], chunks: Chunks, folder: Path, first: int, body: bytes) -> Results:
     """The result lines of a chunk."""
     begun = time.monotonic()
-    lines = cast("AsyncGenerator[bytes]", pool.lines(told, body, first=first))
-    async with contextlib.aclosing(lines):
-        results = [line async for line in lines]
-    chunks.took(time.monotonic() - begun, len(results))
-    return results
+    written = folder / str(first)
+    lines = Lines(told, body, written, first)
+    try:
+        await pool.solve_lines(lines)
+    except Unwritten as error:
+        raise Failure(FAILED, f"cannot write {written}: {error}; what is in the output can be resumed") from error
+    content = await asyncio.to_thread(written.read_bytes)
+    written.unlink()
+    chunks.took(time.monotonic() - begun, lines.written.lines)
+    return Results(content, lines.written)

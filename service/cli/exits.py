@@ -12,6 +12,7 @@ NOT_CERTIFIED = 4
 FAILED = 5
 INTERRUPTED = 130
 BROKEN_PIPE = 141
+TERMINATED = 143
 
 EXITS = {
     OK: "everything was done",
@@ -22,8 +23,9 @@ EXITS = {
     FAILED: "something else failed: a disk that is full, the workers, a defect",
     INTERRUPTED: "interrupted (Ctrl-C)",
     BROKEN_PIPE: "whoever read the output went away",
+    TERMINATED: "batch: told to end (SIGTERM)",
 }
-"""The codes and what they say; the last two are those of a shell for SIGINT and SIGPIPE."""
+"""The codes and what they say; the last three are those of a shell for SIGINT, SIGPIPE and SIGTERM."""
 
 OF_CODE = {
     "not-json": INVALID_INPUT,

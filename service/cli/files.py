@@ -126,9 +126,8 @@ class LinesOut:
             os.ftruncate(self._descriptor, whole)
             os.lseek(self._descriptor, whole, os.SEEK_SET)
 
-    def add(self, lines: list[bytes]) -> None:
-        """Write lines, given without their ends."""
-        content = b"".join(line + b"\n" for line in lines)
+    def add(self, content: bytes) -> None:
+        """Write whole lines."""
         left = memoryview(gzip.compress(content, GZIP_LEVEL) if self._packed else content)
         before = 0 if self._name == STANDARD else os.lseek(self._descriptor, 0, os.SEEK_CUR)
         try:

@@ -21,7 +21,6 @@ import asyncio
 import logging
 import sys
 import uuid
-from collections import deque
 from typing import Literal
 
 import h11
@@ -31,6 +30,7 @@ from uvicorn.protocols.http.h11_impl import STATUS_PHRASES, H11Protocol
 from service.errors import ERRORS, MEDIA_TYPE, RequestError
 from service.http.farewell import take_leave
 from service.http.patience import LEAST_RATE, Patience
+from service.http.turns import Turns
 from service.settings import KIB, Settings
 
 Reason = Literal["silent", "head", "answer", "crowd", "not-http"]
@@ -39,8 +39,8 @@ Reason = Literal["silent", "head", "answer", "crowd", "not-http"]
 SLICE_BYTES = 4 * KIB
 """Of what has come on a connection that is looked at at a time; 6 ms if it is chunks of one byte."""
 
-TURN_SECONDS = 0.002
-"""How long what has come is looked at before the loop does something else; there may be thousands of requests or chunks."""
+URGENT = (b"GET /healthz ", b"GET /readyz ")
+"""How requests begin that tell whether the service is well."""
 
 _log = logging.getLogger("service.http")
 
@@ -61,8 +61,7 @@ class Connections:
         self.download_seconds = settings.download_seconds
         self._most = settings.max_connections
         self._waiting: dict[Connection, None] = {}  # for a head; who has waited longest is the first
-        self._unread: deque[Connection] = deque()  # those on which something has come
-        self._looks = False
+        self.turns = Turns()
         self.open = 0
         self.ended: dict[Reason, int] = {"silent": 0, "head": 0, "answer": 0, "crowd": 0, "not-http": 0}
 
@@ -81,24 +80,6 @@ class Connections:
         """Count one less."""
         self.open -= 1
 
-    def has_come(self, connection: Connection, loop: asyncio.AbstractEventLoop) -> None:
-        """Note that there is something to be looked at."""
-        self._unread.append(connection)
-        if not self._looks:
-            self._looks = True
-            loop.call_soon(self._look, loop)
-
-    def _look(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Look at what has come, a slice of each in turn, for a while."""
-        end = loop.time() + TURN_SECONDS
-        while self._unread and loop.time() < end:
-            connection = self._unread.popleft()
-            if connection.take_slice():
-                self._unread.append(connection)
-        self._looks = bool(self._unread)
-        if self._looks:
-            loop.call_soon(self._look, loop)
-
     def waits(self, connection: Connection) -> None:
         """Note that a connection waits for a head."""
         self._waiting[connection] = None
@@ -116,7 +97,7 @@ class Connection(H11Protocol):
     _taking_deadline: asyncio.TimerHandle | None = None
     _full_since = 0.0  # by the loop's clock; while there is a deadline for taking
     _untaken = 0  # bytes, then
-    _refused = _dropped = False
+    _refused = _dropped = _has_turn = False
     _unread = b""
 
     # what comes
@@ -133,6 +114,7 @@ class Connection(H11Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Nothing is waited for."""
+        self.family.turns.leave(self)
         self._wait_for_no_head()
         self._cancel_taking()
         if exc is None and not self._dropped and (self._refused or self.conn.their_state is h11.SEND_BODY):
@@ -144,30 +126,38 @@ class Connection(H11Protocol):
     def data_received(self, data: bytes) -> None:
         """Something has come; it is looked at when it is this connection's turn, and no more is read until all of it is."""
         self._unset_keepalive_if_required()
-        if not self._unread:
-            self.family.has_come(self, self.loop)
         self._unread += data
+        urgent = self.conn.their_state is h11.IDLE and self._unread.startswith(URGENT)
+        self.family.turns.wait(self, self.loop, urgent=urgent)
         if len(self._unread) > SLICE_BYTES:
             self.transport.pause_reading()
 
-    def take_slice(self) -> bool:
-        """Look at some of what has come; whether there is more."""
+    def take_slice(self) -> tuple[bool, bool]:
+        """Look at some of what has come: whether there is more, and whether a request has begun."""
+        before = self.cycle
         plain = self.conn.their_state is h11.SEND_BODY and not any(name == b"transfer-encoding" for name, _ in self.headers)
         size = len(self._unread) if plain else SLICE_BYTES  # of a body that is not in chunks, all at once takes no longer
         part, self._unread = self._unread[:size], self._unread[size:]
         self._take(part)
         if not self._unread and not self.flow.read_paused:
             self.transport.resume_reading()
-        return bool(self._unread)
+        return bool(self._unread), self.cycle is not before
 
     def _take(self, part: bytes) -> None:
-        if not part or self.transport.is_closing():
+        """Look at bytes, and at what of those before them could not be looked at yet."""
+        if self.transport.is_closing():
             return
+        self._has_turn = True
         try:
-            super().data_received(part)
+            if part:
+                super().data_received(part)
+            else:
+                self.handle_events()
         except Exception:  # of this connection, and of no other
             _log.exception("a connection failed where it must not")
             self.transport.abort()
+        finally:
+            self._has_turn = False
 
     def eof_received(self) -> None:
         """The client sends no more; one whose request is not whole is told so, if it still listens."""
@@ -178,7 +168,11 @@ class Connection(H11Protocol):
             self._refuse(RequestError("not-http", "The connection ended before the request did."), "not-http")
 
     def handle_events(self) -> None:
-        """Take what has come; a request that has begun has a deadline of its own."""
+        """Take what has come, in turn if it had to wait for an answer. A request that begins has a deadline of its own."""
+        if not self._has_turn and self.conn.trailing_data[0]:
+            self._unset_keepalive_if_required()
+            self.family.turns.wait(self, self.loop)
+            return
         super().handle_events()
         if self.cycle is not None and not self.cycle.response_complete:
             self._wait_for_no_head()
@@ -220,7 +214,7 @@ class Connection(H11Protocol):
     def _head_too_late(self) -> None:
         """End the connection; a client that has sent a part of a head is told why."""
         begun, _ = self.conn.trailing_data
-        if self._unread:
+        if self._unread or self.family.turns.waits(self):
             self._wait_for_head()  # it may be here: it is not the client that is late
         elif begun and self.conn.our_state is h11.IDLE:
             self._refuse(RequestError("upload-timeout", f"Its head was waited for {self.family.head_seconds:g} s."), "head")

@@ -22,7 +22,7 @@ import os
 import shutil
 import time
 import uuid
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
@@ -74,18 +74,35 @@ class Blobs:
         if not self.has(digest):
             written = self.incoming / uuid.uuid4().hex
             try:
-                written.write_bytes(content)
-                self._place(written, digest)
+                self.adopt_all({self.write(written, content): written})
             finally:
                 written.unlink(missing_ok=True)
         return digest
 
-    def adopt(self, written: Path) -> str:
-        """Store a file of the incoming folder, durably; it may be removed there."""
-        with written.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
-        self._place(written, digest)
+    def adopt(self, written: Path, digest: str | None = None) -> str:
+        """Store a file of the incoming folder, durably; it may be removed there. The digest may be known already."""
+        if digest is None:
+            with written.open("rb") as file:
+                digest = hashlib.file_digest(file, "sha256").hexdigest()
+        _sync(written)
+        self.adopt_all({digest: written})
         return digest
+
+    def write(self, written: Path, content: bytes) -> str:
+        """Write a file of the incoming folder, durably, for `adopt_all`; the digest."""
+        written.write_bytes(content)
+        _sync(written)
+        return hashlib.sha256(content).hexdigest()
+
+    def adopt_all(self, written: Mapping[str, Path]) -> None:
+        """Store files of the incoming folder, by their digests, whose bytes are on disk; they may be removed there."""
+        for digest, file in written.items():
+            place = self.path(digest)
+            place.parent.mkdir(mode=0o700, exist_ok=True)
+            with contextlib.suppress(FileExistsError):  # the same content
+                os.link(file, place)
+        for folder in {self.path(digest).parent for digest in written} | {self._blobs}:
+            _sync(folder)  # the names are as durable as the files
 
     @contextlib.contextmanager
     def folder(self) -> Iterator[Path]:
@@ -136,21 +153,10 @@ class Blobs:
         for folder in self._blobs.iterdir():
             self.remove([entry.name for entry in folder.iterdir() if _stale(entry)], referenced)
 
-    def _place(self, written: Path, digest: str) -> None:
-        """Give a written file its name, once its bytes are on disk."""
-        with written.open("rb") as file:
-            os.fsync(file.fileno())
-        place = self.path(digest)
-        place.parent.mkdir(mode=0o700, exist_ok=True)
-        with contextlib.suppress(FileExistsError):  # the same content
-            os.link(written, place)
-        for folder in (place.parent, self._blobs):
-            _sync_folder(folder)
 
-
-def _sync_folder(folder: Path) -> None:
-    """Make the names in a folder as durable as the files."""
-    descriptor = os.open(folder, os.O_RDONLY)
+def _sync(path: Path) -> None:
+    """Have a file's bytes, or a folder's names, on disk."""
+    descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:

@@ -9,7 +9,7 @@ import contextlib
 import hashlib
 import json
 import uuid
-from collections.abc import AsyncIterator, Iterator, Sequence
+from collections.abc import AsyncIterator, Generator, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from service.orders import Order
 from service.settings import KIB, Settings
 from service.workers.pool import Pool
 
-PIECE_BYTES = 256 * KIB
+PIECE_BYTES = 512 * KIB
 """Of results that are read at a time."""
 
 
@@ -124,10 +124,21 @@ class DbosJobs:
         return await self._calls.ask(self._keeper.open_store().counts)
 
     async def _pieces(self, digests: Sequence[str]) -> AsyncIterator[bytes]:
-        """The bytes of files, one after the other."""
+        """The bytes of files, one after the other; a piece is read while the one before it is on its way to the client."""
+        pieces = self._read(digests)
+        coming = asyncio.create_task(asyncio.to_thread(next, pieces, b""))
+        try:
+            while piece := await coming:
+                coming = asyncio.create_task(asyncio.to_thread(next, pieces, b""))
+                yield piece
+        finally:
+            await asyncio.wait([coming])
+            pieces.close()
+
+    def _read(self, digests: Sequence[str]) -> Generator[bytes]:
         for digest in digests:
-            with await asyncio.to_thread(self._blobs.reading, digest) as file:
-                while piece := await asyncio.to_thread(file.read, PIECE_BYTES):
+            with self._blobs.reading(digest) as file:
+                while piece := file.read(PIECE_BYTES):
                     yield piece
 
     @contextlib.contextmanager

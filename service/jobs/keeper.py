@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 OPEN_SECONDS = 1.0
 """Pause before opening a store that could not be opened is tried again."""
 
-WATCH_SECONDS = 0.1
+WATCH_SECONDS = 0.15
 """Pause between two looks at whether jobs that run here were dismissed elsewhere."""
 
 SWEEP_SECONDS = 30.0

@@ -12,21 +12,22 @@ import contextlib
 import logging
 import time
 import uuid
-from collections.abc import AsyncGenerator, Callable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
 import orjson
 
-from service.errors import PROBLEM_LINE, RequestError
+from service.errors import RequestError
 from service.http.negotiation import Format
 from service.jobs.blobs import Blobs
 from service.jobs.calls import Calls
 from service.jobs.port import Job, StoreUnavailable
 from service.jobs.store import Chunk, Enqueue, Store
 from service.orders import Order
-from service.settings import MIB, Settings
-from service.workers.pool import DeadlineExceeded, Pool, Reply, WorkerCrashed
+from service.settings import Settings
+from service.workers.chunks import Lines
+from service.workers.pool import DeadlineExceeded, Pool, Reply, Unwritten, WorkerCrashed
 
 PROGRESS_SECONDS = 0.5
 """Pause between two notes of a job's progress."""
@@ -37,14 +38,14 @@ CRASHES = 3
 STORING_SECONDS = 60.0
 """How long storing a result is tried, where the disk is full, say; then the job fails, honestly, as store-unavailable."""
 
+STORING_PAUSE = 1.0
+"""Between two attempts."""
+
 READING_SECONDS = 10.0
 """How long the file of a body is waited for."""
 
 MESSAGE_CHARACTERS = 300
 """Of a failure's detail in the status; the whole is in the results."""
-
-WRITE_BYTES = MIB
-"""Of result lines that are held before they are written."""
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -86,17 +87,17 @@ class Work:
         written = self._blobs.incoming / uuid.uuid4().hex
         try:
             if job.batch:
-                failed = await self._solve_lines(job, chunk, body, written)
+                digest, failed = await self._solve_lines(job, chunk, body, written)
             else:
-                failed = 0
-                await self._patiently(_append, written, 0, (await self._solve(store, job, body)).pieces)
-            digest = await self._patiently(self._blobs.adopt, written)
+                digest, failed = None, 0
+                await self._patiently(_write, written, (await self._solve(store, job, body)).pieces)
+            digest = await self._patiently(self._blobs.adopt, written, digest)
             noted = await self._calls.insist(store.finish_chunk, job.id, chunk.number, digest, failed, self._enqueue)
             if not noted:  # the job is gone, or another executor was first
                 with contextlib.suppress(StoreUnavailable):
                     await self._calls.ask_much(self._blobs.remove, [digest], store.referenced)
             elif not await self._patiently(self._blobs.has, digest):
-                await self._patiently(self._blobs.adopt, written)  # it was removed with another job that had the same result
+                await self._patiently(self._blobs.adopt, written, digest)  # it was removed with a job that had the same result
         finally:
             written.unlink(missing_ok=True)
 
@@ -148,23 +149,20 @@ class Work:
                 await self._calls.ask(store.progress, job.id, int(99 * fraction), f"Being worked on: {stage}.")
             await asyncio.sleep(PROGRESS_SECONDS)
 
-    async def _solve_lines(self, job: Job, chunk: Chunk, body: bytes, written: Path) -> int:
-        """Write the result lines of a chunk as they come; how many are problems."""
-        failed = size = waiting_bytes = 0
-        waiting: list[bytes] = []
-        seconds = self._settings.deadline_seconds
-        results = self._pool.lines(self._header(job), body, first=chunk.first, deadline_seconds=seconds)
-        async with contextlib.aclosing(cast("AsyncGenerator[bytes, None]", results)):
-            async for line in results:
-                failed += line.startswith(PROBLEM_LINE)
-                waiting += (line, b"\n")
-                waiting_bytes += len(line) + 1
-                if waiting_bytes > WRITE_BYTES:
-                    await self._patiently(_append, written, size, waiting)
-                    size += waiting_bytes
-                    waiting, waiting_bytes = [], 0
-        await self._patiently(_append, written, size, waiting)
-        return failed
+    async def _solve_lines(self, job: Job, chunk: Chunk, body: bytes, written: Path) -> tuple[str, int]:
+        """Have the result lines of a chunk written; the digest of the file, and how many of them are problems."""
+        lines = Lines(self._header(job), body, written, chunk.first)
+        done, end = -1, 0.0
+        while lines.digest is None:
+            try:
+                await self._pool.solve_lines(lines)
+            except Unwritten as error:
+                if lines.written.lines > done:
+                    done, end = lines.written.lines, time.monotonic() + STORING_SECONDS
+                elif time.monotonic() > end:
+                    raise StoreUnavailable(str(error)) from error
+                await asyncio.sleep(STORING_PAUSE)
+        return lines.digest, lines.written.failed
 
     def _header(self, job: Job) -> dict[str, Any]:
         order = Order(job.operation, cast("Format", job.format), job.options)
@@ -179,7 +177,7 @@ class Work:
             except StoreUnavailable:
                 if time.monotonic() > end:
                     raise
-                await asyncio.sleep(1.0)
+                await asyncio.sleep(STORING_PAUSE)
 
     async def _finish_job(self, store: Store, job: Job) -> None:
         """Note the progress of a batch, and the end of a job when this was its last chunk."""
@@ -204,8 +202,7 @@ class Work:
             await self._patiently(self._blobs.put, content)
 
 
-def _append(file: Path, size: int, pieces: Sequence[bytes]) -> None:
-    """Write to the end of a file that has a certain size; what an attempt before left beyond that is dropped."""
-    with file.open("ab") as opened:
-        opened.truncate(size)
+def _write(file: Path, pieces: Sequence[bytes]) -> None:
+    """Write a file, whatever an attempt before left of it."""
+    with file.open("wb") as opened:
         opened.writelines(pieces)

@@ -10,7 +10,7 @@ from service.errors import RequestError
 from service.http.bodies import announced_bytes, arriving
 from service.http.negotiation import check_coding
 from service.http.preferences import Preferences
-from service.jobs.batches import CHUNK_BYTES
+from service.jobs.batches import HELD_BYTES
 from service.jobs.port import BatchRefused
 from service.operations import OPERATIONS
 from service.orders import Order
@@ -20,9 +20,6 @@ from service.routes.solve import PrecisionParameter
 router = APIRouter(tags=["jobs"])
 
 TYPES = (LINES, "application/jsonl", "application/jsonlines")
-
-HELD_BYTES = 2 * CHUNK_BYTES
-"""What is held of a batch, however long it is: the chunk that is being filled, once more while it is written."""
 
 
 @router.post("/v1/batches", operation_id="batch", summary="Many domains in one job", status_code=201)

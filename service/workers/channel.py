@@ -97,16 +97,6 @@ class Channel(asyncio.Protocol):
             await self._arrival
         return self._messages.popleft()
 
-    def pause(self) -> None:
-        """Let messages gather in the socket; its size is their limit."""
-        if self._transport is not None and not self.closed:
-            self._transport.pause_reading()
-
-    def resume(self) -> None:
-        """Read again."""
-        if self._transport is not None and not self.closed:
-            self._transport.resume_reading()
-
     def close(self) -> None:
         """Close this end; an idle worker takes it as its dismissal."""
         if self._transport is not None:

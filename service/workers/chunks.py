@@ -1,124 +1,146 @@
 """A chunk of a batch on its way through workers: which lines are done, and whose fault it is when a worker ends.
 
-A worker sends each result line as soon as it has it, and this side reads what has gathered every few milliseconds. So the event
-loop is not woken for each line, and yet everything a worker had finished when it ended is in the socket: the first line without a
-result is the one it was at.
+A worker writes results into a file (`service.workers.result_lines`), and says now and then that it is alive; so a domain costs
+this process nothing. When a worker ends without having said how it went, the file tells how far it came: the first line without
+a result is the one that it was at.
 """
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
-
-import orjson
+import contextlib
+from pathlib import Path
+from typing import Any
 
 from service.errors import RequestError
 from service.workers import wire
-from service.workers.channel import Channel, ChannelClosed, Message
+from service.workers.channel import Channel, ChannelClosed
 from service.workers.crew import Reason
-
-GATHER_SECONDS = 0.05
-"""How long result lines gather before they are read."""
-
-FEW_BYTES = 128 << 10
-"""Half of what asyncio reads at a time: where as much came, there is more, and to wait would only hold up the worker."""
+from service.workers.result_lines import NOTE_SECONDS, Written, whole
 
 ATTEMPTS = 2
 """Workers that a line may end before it is held to be its fault: a worker may also be ended from outside."""
 
 
-class Chunk:
-    """The lines of a chunk that have no result yet.
+class Lines:
+    """The lines of a chunk, and how far they are answered.
+
+    Parameters
+    ----------
+    header : dict
+        What is to be done with each; see `service.workers.solve.handle_lines`. Its format must be one without newlines.
+    body : bytes
+        JSON lines.
+    results : Path
+        The file of the result lines, made if it is not there.
+    first : int
+        The number of lines of the batch before this chunk; problem documents name the line of the batch, counted from 1.
 
     Attributes
     ----------
-    done : bool
+    written : Written
+        What is in the file.
+    digest : str or None
+        SHA-256 of the file, once every line has its result.
+    unwritten : str or None
+        Why the last worker could not write a line.
     unused : bool
         The next line wants a worker that has not worked before.
-    reason : str or None
-        Why the last worker must be ended; None when it may be used again.
     resident_bytes, served : int
         What the last worker said about itself.
     """
 
-    def __init__(self, header: wire.Header, body: bytes, first: int, seconds: float) -> None:
-        self._header = header
-        self._first = first
-        self._seconds = seconds
-        self._lines = body.split(b"\n")
-        self._next = 0
-        self._tried = 0  # workers that ended at the next line
-        self._gathered = self._bytes = 0  # messages read since they were last waited for
+    def __init__(self, header: wire.Header, body: bytes, results: Path, first: int = 0) -> None:
+        self._header, self._body, self._first = header, body, first
+        self._results = results.absolute()
+        self._tried = 0  # workers that ended at the first line without a result
+        self._given_up: tuple[int, RequestError] | None = None  # how many results stand before it, and why
+        self.written = Written()
+        self.digest: str | None = None
+        self.unwritten: str | None = None
         self.unused = False
-        self.reason: Reason | None = None
         self.resident_bytes = self.served = 0
-        self._skip_blank()
 
-    @property
-    def done(self) -> bool:
-        """Whether every line has its result."""
-        return self._next == len(self._lines)
+    async def work(self, channel: Channel, seconds: float) -> Reason | None:
+        """Hand the rest to a worker, which may use so many seconds for each line.
 
-    async def work(self, channel: Channel) -> AsyncIterator[bytes]:
-        """Hand the rest to a worker; the result lines as far as this one comes."""
-        self.reason = None
+        Returns
+        -------
+        str or None
+            Why it must be ended; None when it may be used again.
+        """
         self.unused = False
-        self._gathered = self._bytes = 0
-        header = {**self._header, "lines": True, "first": self._first + self._next}
-        await channel.send(header, b"\n".join(self._lines[self._next :]))
-        channel.pause()
+        header, rest = self._rest()
+        await channel.send({**self._header, **header}, rest)
         while True:
             try:
-                answer, pieces = await self._message(channel)
+                async with asyncio.timeout(seconds + NOTE_SECONDS):
+                    answer, _ = await channel.receive()
             except TimeoutError:
-                self.reason = "deadline"
-                yield self._give_up("deadline-exceeded", f"It took longer than {self._seconds:g} s and was stopped.")
-                return
+                if channel.pending:  # this process was busy meanwhile
+                    continue
+                return "deadline"
             except ChannelClosed:
-                self.reason = "crash"
-                self._tried += 1
-                if self._tried == ATTEMPTS:
-                    yield self._give_up("worker-crashed", "The process that worked on it ended, and so did the next one.")
-                return
+                return "crash"
             if "resident_bytes" in answer:
-                self.resident_bytes, self.served = answer["resident_bytes"], answer["served"]
-                if answer.get("again"):
-                    self.reason, self.unused = "memory", True
-                channel.resume()
-                return
-            self._advance()
-            yield b"".join(pieces)
+                return self._take(answer)
 
-    async def _message(self, channel: Channel) -> Message:
-        """The next message. It is read from the socket only while it is waited for, so a slow reader here slows the worker."""
-        if channel.pending:
-            return self._count(await channel.receive())
-        if self._bytes < FEW_BYTES and len(self._lines) - self._next > 2 * self._gathered > 0:  # nor need it wait at its end
-            await asyncio.sleep(GATHER_SECONDS)
-        channel.resume()
-        async with asyncio.timeout(self._seconds):
-            message = await channel.receive()
-        channel.pause()
-        self._gathered = self._bytes = 0
-        return self._count(message)
+    async def find_out(self, channel: Channel, reason: Reason, seconds: float) -> None:
+        """Wait for the end of a worker that did not come to its own, and see what it leaves.
 
-    def _count(self, message: Message) -> Message:
-        """Note that a message was read."""
-        self._gathered += 1
-        self._bytes += sum(map(len, message[1]))
-        return message
+        Parameters
+        ----------
+        channel : Channel
+            Still open, if the worker was told to end.
+        reason : str
+            deadline or crash.
+        seconds : float
+            The deadline.
+        """
+        alive = False  # when it was thought to hang
+        with contextlib.suppress(ChannelClosed):
+            while True:
+                await channel.receive()
+                alive = True
+        before, self.written = self.written, await asyncio.to_thread(whole, self._results)
+        if reason == "deadline":
+            if not alive:
+                self._give_up("deadline-exceeded", f"It took longer than {seconds:g} s and was stopped.")
+            return
+        self._tried = self._tried + 1 if self.written.lines == before.lines else 1
+        if self._tried == ATTEMPTS:
+            self._give_up("worker-crashed", "The process that worked on it ended, and so did the next one.")
 
-    def _give_up(self, code: str, detail: str) -> bytes:
-        """The result of a line that gets no other."""
-        number = self._first + self._next + 1
-        self._advance()
-        return orjson.dumps(RequestError(code, detail, {"line": number}).document())
-
-    def _advance(self) -> None:
+    def _take(self, answer: wire.Header) -> Reason | None:
+        """Note how it went for a worker that says so."""
+        self.resident_bytes, self.served = answer["resident_bytes"], answer["served"]
+        self.written = Written(**answer["written"])
+        self.digest, self.unwritten = answer.get("digest"), answer.get("unwritten")
+        self.unused = bool(answer.get("again"))
         self._tried = 0
-        self._next += 1
-        self._skip_blank()
+        return "memory" if self.unused else None
 
-    def _skip_blank(self) -> None:
-        while self._next < len(self._lines) and not self._lines[self._next].strip():
-            self._next += 1
+    def _rest(self) -> tuple[wire.Header, bytes]:
+        """What a worker has to know, and the lines without a result."""
+        done = self.written
+        header: dict[str, Any] = {
+            "results": str(self._results),
+            "kept": {"size": done.size, "lines": done.lines, "failed": done.failed},
+            "first": self._first,
+        }
+        if not done.lines and self._given_up is None:
+            return header, self._body
+        lines = self._body.split(b"\n")
+        left = [place for place, line in enumerate(lines) if line.strip()][done.lines :]
+        begin = left[0] if left else len(lines)
+        if left and self._given_up is not None and self._given_up[0] == done.lines:
+            error = self._given_up[1]
+            begin += 1
+            error.extra["line"] = self._first + begin
+            header["instead"] = error.document()
+        return header | {"first": self._first + begin}, b"\n".join(lines[begin:])
+
+    def _give_up(self, code: str, detail: str) -> None:
+        """Let the next worker write a problem as the result of the line that is next."""
+        self._tried = 0
+        self._given_up = self.written.lines, RequestError(code, detail)

@@ -157,12 +157,12 @@ class Crew:
             idle.append(worker)
             self._arrived.set()
 
-    def kill(self, worker: Worker, reason: Reason) -> None:
-        """End a worker whatever it is doing."""
+    def kill(self, worker: Worker, reason: Reason, *, listen: bool = False) -> None:
+        """End a worker whatever it is doing. Its channel is closed, or, for who listens to it, closes with the worker's end."""
         if worker.number not in self._workers:
             return  # with its nursery
         self.kills[reason] += 1
-        self._forget(worker)
+        self._forget(worker, listen)
         if self._link is not None:
             self._link.kill(worker.number)
             self._keep_spare()
@@ -255,9 +255,10 @@ class Crew:
             self._forget(worker)
             self._begin_fork(RESPAWN_SECONDS)
 
-    def _forget(self, worker: Worker) -> None:
+    def _forget(self, worker: Worker, listen: bool = False) -> None:
         """Take a worker out of use; an idle one ends when its channel closes."""
-        worker.channel.close()
+        if not listen:
+            worker.channel.close()
         self._workers.pop(worker.number, None)
         self._pids.pop(worker.number, None)
         for idle in (self._idle, self._idle_lowered):

@@ -12,7 +12,7 @@ the threaded web server would be unsafe, forking this single-threaded process is
 
 HANDLER is a module with ``preload(progress) -> dict``, called once here; ``rehearse()``, called once in each worker, before it
 has anything to do; ``handle(header, body, report) -> header, body``, called for each request; and ``handle_lines(header, body,
-send) -> header``, called for each chunk of a batch.
+send) -> header``, called for each chunk of a batch (by `service.workers.result_lines`).
 Nothing outlives the web process: the end of the control stream ends the nursery, which kills its workers first; and on Linux
 the kernel kills a worker whose nursery has gone.
 """
@@ -38,6 +38,7 @@ from typing import NoReturn
 from service.observability import logs
 from service.workers import wire
 from service.workers.process import die_with_parent, give_way, limit_memory, resident_bytes
+from service.workers.result_lines import answer_lines
 
 COMMAND = struct.Struct("!cI")
 SPAWN, KILL, LOWER = b"S", b"K", b"L"
@@ -179,11 +180,6 @@ def work(handler: ModuleType, channel: socket.socket) -> None:
     """Answer one request after the other until the channel closes."""
     served = 0
 
-    def send_line(line: bytes) -> None:
-        nonlocal served
-        served += 1
-        wire.send(channel, {}, line)
-
     def report(stage: str, fraction: float) -> None:
         wire.send(channel, {"stage": stage, "fraction": fraction})
 
@@ -191,8 +187,9 @@ def work(handler: ModuleType, channel: socket.socket) -> None:
         header, body = message
         header["unused"] = served == 0
         logs.IDS.set(header.get("ids", {}))  # what is logged on the way is found by them
-        if header.get("lines"):
-            answer, content = handler.handle_lines(header, body, send_line), b""
+        if "results" in header:
+            answer, content = answer_lines(handler, channel, header, body), b""
+            served += answer["written"]["lines"] - header["kept"]["lines"]
         else:
             answer, content = handler.handle(header, body, report if header.get("progress") else None)
             served += 1

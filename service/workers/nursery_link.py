@@ -20,9 +20,6 @@ from service.workers.nursery import COMMAND, KILL, LOWER, SPAWN
 GOODBYE_SECONDS = 0.5
 """How long a nursery may take to end by itself."""
 
-SOCKET_BYTES = 1 << 20
-"""Asked for between a worker and here, so that result lines can gather; the kernel gives what its limit allows."""
-
 
 class NurseryLink:
     """A running nursery."""
@@ -76,7 +73,6 @@ class NurseryLink:
     async def spawn(self, number: int) -> Channel:
         """Have a worker forked; it is there when it answers, and its channel is closed if it never was."""
         ours, its = socket.socketpair()
-        its.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SOCKET_BYTES)
         with its:
             self._command(SPAWN, number, its.fileno())
         _, channel = await asyncio.get_running_loop().create_connection(Channel, sock=ours)

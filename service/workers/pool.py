@@ -19,12 +19,13 @@ from service.settings import Settings
 from service.workers import wire
 from service.workers.attempt import Progress, Request, Stopped, answer_within
 from service.workers.channel import ChannelClosed, Message, Pieces
-from service.workers.chunks import Chunk
+from service.workers.chunks import Lines
 from service.workers.crew import Crew, Reason, Worker, stop
 from service.workers.failures import DeadlineExceeded, PoolError, QueueFull, WorkerCrashed
 from service.workers.lanes import Lane, Lanes, Turn
+from service.workers.result_lines import Unwritten
 
-__all__ = ["DeadlineExceeded", "Pool", "PoolError", "QueueFull", "Reply", "Stats", "WorkerCrashed"]
+__all__ = ["DeadlineExceeded", "Pool", "PoolError", "QueueFull", "Reply", "Stats", "Unwritten", "WorkerCrashed"]
 
 ATTEMPTS = 3
 """Workers that a request is handed to when each ended before it had read the request."""
@@ -166,42 +167,41 @@ class Pool:
         except TimeoutError:
             raise DeadlineExceeded from None
 
-    async def lines(
-        self, header: wire.Header, body: bytes, *, first: int = 0, deadline_seconds: float | None = None
-    ) -> AsyncIterator[bytes]:
-        """Have a chunk of a batch worked on: one result line, without its newline, for each line of the body that is not blank.
+    async def solve_lines(self, lines: Lines, *, deadline_seconds: float | None = None) -> None:
+        """Have a chunk of a batch worked on until each line that is not blank has its result line. Cancelling kills the worker.
 
         A result line is an answer document or a problem document, in order. A line that ends its worker, or takes too long or too
         much memory, costs itself only: its result says so, and the lines after it go on in another worker.
 
-        Close the iterator (`contextlib.aclosing`) where it is not run to its end: that kills the worker.
-
         Parameters
         ----------
-        header : dict
-            As for `solve`; its format must be one without newlines.
-        body : bytes
-            JSON lines.
-        first : int
-            The number of lines of the batch before this chunk; problem documents name the line of the batch, counted from 1.
+        lines : Lines
         deadline_seconds : float, optional
             For each line, instead of the setting's.
+
+        Raises
+        ------
+        Unwritten
+            The file system did not take a line. When called again, it goes on there.
         """
         seconds = self._settings.deadline_seconds if deadline_seconds is None else deadline_seconds
-        chunk = Chunk(header, body, first, seconds)
-        while not chunk.done:
+        while lines.digest is None:
             async with self._lanes.turn(Lane.JOB):
-                worker = await self._crew.take(lowered=True, unused=chunk.unused)
-                reason: Reason | None = "dismissed"
+                worker = await self._crew.take(lowered=True, unused=lines.unused)
                 try:
-                    async for line in chunk.work(worker.channel):
-                        yield line
-                    reason = chunk.reason
-                finally:
-                    if reason is not None:
-                        self._crew.kill(worker, reason)
+                    reason = await lines.work(worker.channel, seconds)
+                except BaseException:
+                    self._crew.kill(worker, "dismissed")
+                    raise
                 if reason is None:
-                    self._crew.give_back(worker, chunk.resident_bytes, chunk.served)
+                    self._crew.give_back(worker, lines.resident_bytes, lines.served)
+                elif reason == "memory":
+                    self._crew.kill(worker, reason)
+                else:
+                    self._crew.kill(worker, reason, listen=True)
+                    await lines.find_out(worker.channel, reason, seconds)
+            if lines.unwritten is not None:
+                raise Unwritten(lines.unwritten)
 
     async def _solve(self, request: Request) -> Reply:
         """Hand the request to workers until one has answered it."""

@@ -5,8 +5,8 @@
     | header bytes, u32 | body bytes, u64 | header (JSON) | body (as it came or as it leaves) |
 
 A new worker begins with ``{"rehearsed_seconds": ...}``: the processor time that it took to get ready. A request is one message.
-Its answer may be several: any number of reports (``{"stage", "fraction"}``) and of result lines (an empty header), then a last
-message, whose header has ``resident_bytes`` and ``served`` and says how the request went.
+Its answer may be several: any number of reports (``{"stage", "fraction"}``) or, while it works on a chunk of a batch, of signs of
+life (an empty header), then a last message, whose header has ``resident_bytes`` and ``served`` and says how the request went.
 
 The body is never copied into the header, so a worker's encoded answer goes out to the client byte for byte. No pickle:
 a message can carry nothing that runs.

@@ -43,6 +43,7 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     p.add_argument("--seconds", type=float, help="of each measurement")
     p.add_argument("--events", type=int, help="faults")
     p.add_argument("--lines", type=int, help="domains of a batch")
+    p.add_argument("--rounds", type=int, help="times that a batch is measured beside bare processes")
     p.add_argument("--workers", type=int, help="processes that solve")
     p.add_argument("--huge-edges", type=int, help="of a huge domain")
     p.add_argument("--rate", type=float, help="small requests a second, where they come at a pace")
@@ -67,7 +68,7 @@ def main() -> int:
         place = asked.folder or Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         scale = short(place) if asked.short else Scale(place)
-        names = ("seconds", "events", "lines", "workers", "huge_edges", "rate")
+        names = ("seconds", "events", "lines", "rounds", "workers", "huge_edges", "rate")
         chosen = {name: value for name in names if (value := getattr(asked, name)) is not None}
         load = os.getloadavg()[0]
         report = asyncio.run(run(asked.only, replace(scale, **chosen), lambda text: print(text, file=sys.stderr, flush=True)))

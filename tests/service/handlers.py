@@ -116,6 +116,14 @@ def crash_once(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
     return crash(order, body)
 
 
+def crash_in_line(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
+    """End in the middle of writing a line, unless somebody did before."""
+    if not os.path.exists(order["mark"]):
+        with open(order["file"], "ab") as file:
+            file.write(b"half a li")
+    return crash_once(order, body)
+
+
 def grow(order: dict[str, Any], body: bytes) -> tuple[dict[str, Any]]:
     """Claim memory and keep it."""
     try:
@@ -145,6 +153,7 @@ ACTIONS = {
     "again": echo,
     "complain": complain,
     "crash": crash,
+    "crash_in_line": crash_in_line,
     "crash_once": crash_once,
     "echo": echo,
     "fail": fail,

@@ -237,3 +237,39 @@ def test_much_in_little_pieces_holds_up_nobody(address: httpx2.URL) -> None:
         whole = time.monotonic() - begun
         assert client.recv(65536).startswith(b"HTTP/1.1 200 ")
     assert slowest < whole / 4
+
+
+def test_requests_that_come_together_are_answered_in_order(address: httpx2.URL) -> None:
+    """However their bytes are cut, and whatever else comes."""
+    bodies = [b'{"do": "echo"}'.ljust(20 + 700 * k) for k in range(12)]
+    content = b"".join(HEAD + b"\r\n" + POST % len(body) + body for body in bodies)
+    content += HEAD + b"Connection: close\r\n\r\n"
+    for step in (1000, 7919, len(content)):
+        with connected(address) as client:
+            for place in range(0, len(content), step):
+                client.sendall(content[place : place + step])
+            answers = received(client)
+        assert answers.count(b"HTTP/1.1 ") == answers.count(b"HTTP/1.1 200 OK\r\n") == 2 * len(bodies) + 1
+        found = [answers.index(b"\r\n\r\n" + body) for body in bodies]
+        assert found == sorted(found)
+
+
+def test_many_that_send_without_end_hold_up_nobody(address: httpx2.URL) -> None:
+    """Requests that come together take turns with those of other connections."""
+    count, clients = 150, 8
+    content = (HEAD + b"\r\n") * count
+    slowest = 0.0
+    with contextlib.ExitStack() as stack:
+        flood = [stack.enter_context(connected(address)) for _ in range(clients)]
+        other = stack.enter_context(httpx2.Client(base_url=address))
+        for client in flood:
+            client.sendall(content)
+        begun = time.monotonic()
+        left = dict.fromkeys(flood, count)
+        while any(left.values()):
+            asked = time.monotonic()
+            assert other.get("/healthz").status_code == 200
+            slowest = max(slowest, time.monotonic() - asked)
+            for client in select.select(flood, [], [], 0.0)[0]:
+                left[client] -= client.recv(1 << 20).count(b"HTTP/1.1 200 OK")
+    assert slowest < (time.monotonic() - begun) / 4

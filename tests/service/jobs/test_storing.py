@@ -34,7 +34,7 @@ def no_space(*_: object) -> str:
 
 def test_what_cannot_be_stored_is_refused(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr(Blobs, "_place", no_space)
+        patch.setattr(Blobs, "adopt_all", no_space)
         problem(post(client, {}), "store-unavailable")
         problem(send(client, b"{}\n"), "store-unavailable")
     assert client.get("/v1/jobs").json()["jobs"] == []
@@ -45,7 +45,7 @@ def test_a_result_that_cannot_be_stored_is_tried_again(client: TestClient, monke
     job = post(client, {"name": "patient", "seconds": 0.5}).json()["jobID"]
     tried: list[object] = []
     with monkeypatch.context() as patch:
-        patch.setattr(Blobs, "_place", lambda *given: tried.append(given) or no_space())
+        patch.setattr(Blobs, "adopt_all", lambda *given: tried.append(given) or no_space())
         eventually(lambda: bool(tried))
     assert client.get(f"/v1/jobs/{job}").json()["status"] == "running"
     until(client, job, "successful")
@@ -55,7 +55,7 @@ def test_a_result_that_cannot_be_stored_is_tried_again(client: TestClient, monke
 def test_a_result_that_still_cannot_be_stored_fails_its_job(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(work, "STORING_SECONDS", 0.0)
     job = post(client, {"seconds": 0.5}).json()["jobID"]
-    monkeypatch.setattr(Blobs, "_place", no_space)
+    monkeypatch.setattr(Blobs, "adopt_all", no_space)
     until(client, job, "failed")
     problem(client.get(f"/v1/jobs/{job}/results"), "store-unavailable")
 

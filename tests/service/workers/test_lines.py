@@ -3,23 +3,40 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
+import hashlib
 import json
 import os
 import signal
+import tempfile
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from service.settings import MIB
+from service.workers.channel import Channel, ChannelClosed
+from service.workers.chunks import Lines
 from service.workers.pool import Pool
+from service.workers.result_lines import Unwritten, Written, whole
 from tests.service.handlers import scheduling
-from tests.service.processes import alive, status
+from tests.service.processes import status
 from tests.service.workers.scenarios import eventually_in_loop, order, pid_of, with_pool
 
 
-async def results(pool: Pool, *lines: bytes, **options: Any) -> list[dict[str, Any]]:
-    async with contextlib.aclosing(pool.lines({}, b"\n".join(lines), **options)) as found:
-        return [json.loads(line) async for line in found]
+async def results(pool: Pool, *lines: bytes, first: int = 0, **options: Any) -> list[dict[str, Any]]:
+    """What becomes of lines; what is told of the file of results is true of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        chunk = Lines({}, b"\n".join(lines), Path(folder) / "results", first)
+        await pool.solve_lines(chunk, **options)
+        return read(chunk, Path(folder) / "results")
+
+
+def read(chunk: Lines, file: Path) -> list[dict[str, Any]]:
+    content = file.read_bytes()
+    found = [json.loads(line) for line in content.splitlines()]
+    assert chunk.digest == hashlib.sha256(content).hexdigest()
+    assert chunk.written == whole(file) == Written(len(content), len(found), sum("code" in result for result in found))
+    return found
 
 
 def echoes(count: int) -> list[bytes]:
@@ -106,32 +123,7 @@ def test_memory_that_ran_out_is_tried_again_in_an_unused_worker() -> None:
     with_pool(scenario)
 
 
-def test_a_reader_that_is_slow_is_waited_for() -> None:
-    async def scenario(pool: Pool) -> None:
-        lines = [order("echo", index=index, size=100_000) for index in range(100)]
-        found = []
-        async with contextlib.aclosing(pool.lines({}, b"\n".join(lines), deadline_seconds=2.0)) as results:
-            async for line in results:
-                found.append(json.loads(line)["answers"]["index"])
-                if len(found) in (10, 50):
-                    await asyncio.sleep(2.5)
-        assert found == list(range(100))
-
-    with_pool(scenario)
-
-
-def test_who_stops_reading_stops_the_worker() -> None:
-    async def scenario(pool: Pool) -> None:
-        async with contextlib.aclosing(pool.lines({}, b"\n".join([*echoes(1), order("spin", seconds=60)]))) as found:
-            worker = json.loads(await anext(found))["pid"]
-        await eventually_in_loop(lambda: not alive(worker))
-        assert pool.stats().kills["dismissed"] == 1
-        assert pool.stats().running["job"] == 0
-
-    with_pool(scenario)
-
-
-def test_cancelling_who_reads_stops_the_worker() -> None:
+def test_cancelling_stops_the_worker() -> None:
     async def scenario(pool: Pool) -> None:
         await pid_of(pool)
         task = asyncio.create_task(results(pool, order("spin", seconds=60)))
@@ -178,3 +170,68 @@ def test_a_worker_that_has_grown_in_a_chunk_is_replaced_after_it() -> None:
         assert pool.stats().kills["memory"] == 1
 
     with_pool(scenario, workers=1, worker_recycle_bytes=96 * MIB)
+
+
+def test_a_line_that_was_half_written_is_written_anew(tmp_path: Path) -> None:
+    async def scenario(pool: Pool) -> None:
+        file = tmp_path / "results"
+        lines = [*echoes(5), order("crash_in_line", mark=str(tmp_path / "mark"), file=str(file)), *echoes(5)]
+        chunk = Lines({}, b"\n".join(lines), file)
+        await pool.solve_lines(chunk)
+        found = read(chunk, file)
+        assert codes(found) == ["done"] * 11
+        assert found[0]["pid"] == found[4]["pid"] != found[5]["pid"]
+
+    with_pool(scenario)
+
+
+def test_what_cannot_be_written_is_gone_on_with_once_it_can(tmp_path: Path) -> None:
+    async def scenario(pool: Pool) -> None:
+        chunk = Lines({}, b"\n".join(echoes(3)), tmp_path / "later" / "results")
+        for _ in range(2):
+            with pytest.raises(Unwritten, match="No such file"):
+                await pool.solve_lines(chunk)
+        assert not any(pool.stats().kills.values()), "it is no worker's fault"
+        (tmp_path / "later").mkdir()
+        await pool.solve_lines(chunk)
+        assert len(read(chunk, tmp_path / "later" / "results")) == 3
+
+    with_pool(scenario)
+
+
+class _Ended(Channel):
+    """A channel on which a worker said so much before its end."""
+
+    def __init__(self, messages: int) -> None:
+        super().__init__()
+        self._left = messages
+
+    async def receive(self) -> tuple[dict[str, Any], tuple[bytes, ...]]:
+        self._left -= 1
+        if self._left < 0:
+            raise ChannelClosed(unread=False)
+        return {}, ()
+
+
+@pytest.mark.parametrize(("said", "given_up"), [(0, True), (1, False)])
+def test_a_line_is_blamed_only_if_the_worker_was_silent_to_its_end(tmp_path: Path, said: int, given_up: bool) -> None:
+    """One that came on just before it was ended was at another line then, which has not had its time."""
+    chunk = Lines({}, b"1\n\n2\n3", tmp_path / "results", first=10)
+    (tmp_path / "results").write_bytes(b"one\nhal")
+    asyncio.run(chunk.find_out(_Ended(said), "deadline", 1.0))
+    assert chunk.written == Written(4, 1, 0)
+    header, rest = chunk._rest()
+    assert ("instead" in header) == given_up
+    if given_up:
+        assert (header["instead"]["code"], header["instead"]["line"]) == ("deadline-exceeded", 13)
+    assert (header["first"], rest) == ((13, b"3") if given_up else (12, b"2\n3"))
+
+
+def test_a_worker_that_ends_after_its_last_line_leaves_nothing_to_be_blamed(tmp_path: Path) -> None:
+    chunk = Lines({}, b"1\n2\n", tmp_path / "results")
+    (tmp_path / "results").write_bytes(b"one\ntwo\n")
+    for _ in range(3):
+        asyncio.run(chunk.find_out(_Ended(0), "crash", 1.0))
+    header, rest = chunk._rest()
+    assert "instead" not in header
+    assert rest.strip() == b""
