@@ -14,7 +14,7 @@ from mat_core.model.curve import RationalBSpline
 
 Floats = NDArray[np.float64]
 
-LONGEST_LEAD = 0.5  # of a Bezier's parameter: how far its end may be led along itself
+LONGEST_LEAD = 0.5  # of a Bezier's parameter: how far its end may be drawn out along itself
 ILL_POSED = 1e-3  # directions told apart less than this, relative, do not move a vertex
 GAUSS_STEPS = 3
 NEWTON_STEPS = 4  # to the point of a Bezier nearest to a place, which is hardly farther from it than from its end
@@ -58,9 +58,8 @@ def closed(edges: list[Part]) -> list[RationalBSpline]:
     for n, (edge, curve) in enumerate(zip(drawn, curves, strict=True)):
         start, end = places[n - 1], places[n]
         if curve is None:
-            pieces = edge.pieces
-            pieces[0] = _led_to(pieces[0][::-1], start)[::-1]
-            pieces[-1] = _led_to(pieces[-1], end)
+            backwards = _led_end([piece[::-1] for piece in reversed(edge.pieces)], start)
+            pieces = _led_end([piece[::-1] for piece in reversed(backwards)], end)
             for a, b in pairwise(pieces):
                 a[-1] = b[0] = 0.5 * (a[-1] + b[0])
             knots, control, _ = join(pieces)
@@ -92,6 +91,24 @@ def _one_of(vertices: list[Vertex]) -> Floats:
     return common_point(start, discs) if len(discs) else start
 
 
+def _led_end(pieces: list[Floats], place: Floats) -> list[Floats]:
+    """Beziers in a row, the last one of which ends at a place; those that lie beyond it are left out.
+
+    So far may sides overlap: the axis beside the centre of an arc moves by little more than its errors, and tells no direction.
+    """
+    kept = len(pieces)
+    while kept > 1 and _lies_beyond(pieces[kept - 1], place):
+        kept -= 1
+    return [*pieces[: kept - 1], _led_to(pieces[kept - 1], place).copy()]
+
+
+def _lies_beyond(control: Floats, place: Floats) -> bool:
+    """Whether a Bezier starts ahead of a place, and goes on from there."""
+    back = place - control[0]
+    ahead = place - control[-1]
+    return float(back @ (control[1] - control[0])) < 0.0 and float(back @ back) < float(ahead @ ahead)
+
+
 def _led_to(control: Floats, place: Floats) -> Floats:
     """A Bezier cut off or drawn out along itself to where it is nearest to a place: both sides of a disc's joint meet so.
 
@@ -106,7 +123,7 @@ def _led_to(control: Floats, place: Floats) -> Floats:
         if more == 0.0:
             break
         at *= 1.0 + more
-        if not abs(at - 1.0) < LONGEST_LEAD:
+        if not 0.0 < at < 1.0 + LONGEST_LEAD:
             return control
         led = split(control, at)[0]
     return led if float((led[-1] - led[-2]) @ leave) > 0.0 else control
