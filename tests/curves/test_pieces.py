@@ -122,3 +122,13 @@ def test_a_segment_tells_what_rounding_leaves_of_its_tolerance() -> None:
     assert check["measured"] == pytest.approx(worst / axis.domain.size, rel=1e-6)
     assert check["limit"] > check["measured"] > 1e-12
     assert "rounding" in check["detail"]
+
+
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-10, 1e-12])
+def test_a_stretch_between_contacts_1e_11_apart_is_followed(tolerance: float) -> None:
+    """A curve that starts without speed, nearly straight, leaves a vertex: the two normals of its discs are nearly one."""
+    a, b, c, d, e = (224.33, 308.73), (226.78, 361.4), (233.28, 367.85), (240.0, 367.85), (240.0, 308.73)
+    chains = [(a, (224.33, 308.81), b, b), (b, (226.91466495097913, 367.7644849331218), c), (c, d), (d, e), (e, a)]
+    domain = Domain.from_dict({"outer": [{"degree": len(chain) - 1, "control_points": chain} for chain in chains]})
+    axis = medial_axis(domain, tolerance=tolerance)
+    assert max(len(s.pieces) for s in axis.segments) <= 15
