@@ -34,6 +34,7 @@ WAITING = 64  # intervals waiting for each curve on average at which halving end
 SLOW = 0.02  # an end with a leg this short, relative to the chord, has no speed; a straight cubic's has 0.33
 NOISE = 1e-13  # an error this small is never halved away
 CROSS_NOISE = 1e-11  # an error across the curve that may be of rounding
+STALLED_ACROSS = 0.5  # what halving leaves of one that is; of a curve that goes like a square root it leaves 0.7
 STALLED = 0.25  # of what it was, and more: what halving a piece leaves of an error of rounding
 ROUNDING = 4e-16  # no stated error is less
 NODES = {2: (0.18225, 0.337294, 0.5), 4: (0.09825, 0.186439, 0.2845, 0.390292, 0.5)}  # checks and nodes in turn, to the middle
@@ -97,8 +98,8 @@ def fit(
     regular : bool
         Where a curve begins or ends without speed, the fit does not: its last bit, shorter than the tolerance, is straight.
     noise : float
-        Errors up to this are not chased when halving does not make them smaller, but for those across the curve, which are from
-        CROSS_NOISE on.
+        Errors up to this are not chased when halving does not make them smaller; those across the curve above CROSS_NOISE only
+        when that hardly makes these smaller.
     bound : callable, optional
         Bounds of the errors of fits that are near enough where they were measured; what it gives is stated, and must do.
 
@@ -109,7 +110,7 @@ def fit(
     m = 2 if tolerance >= FINE else 4
     item = np.arange(curves)
     lo, hi = np.zeros(curves), np.ones(curves)
-    before = np.full(curves, np.inf)
+    before = across_before = np.full(curves, np.inf)
     done: list[tuple[Ints, Floats, Floats, Floats]] = []
     for remaining in range(ROUNDS, -1, -1):
         if not len(item):
@@ -119,7 +120,8 @@ def fit(
         if regular:
             _straighten(control, error, good, tolerance)
         # halving helps no more: what is left is the rounding of the points themselves
-        stalled = (error <= noise) & (across <= max(tolerance, CROSS_NOISE)) & (error >= STALLED * before)
+        stalled = (error <= noise) & (error >= STALLED * before)
+        stalled &= (across <= max(tolerance, CROSS_NOISE)) | (across >= STALLED_ACROSS * across_before)
         ended = remaining == 0 or len(item) > WAITING * (curves + 1)
         good |= stalled | ended
         if bound is not None and good.any():
@@ -127,7 +129,7 @@ def fit(
             error[good] = bound(item[good], np.column_stack((lo, hi))[good], control[good])
             good &= (error <= tolerance) | ended | stalled & (error <= noise)
             error[~good] = measured[~good]
-        before = np.repeat(error[~good], 2)
+        before, across_before = np.repeat(error[~good], 2), np.repeat(across[~good], 2)
         done.append((item[good], np.column_stack((lo, hi))[good], control[good], np.maximum(error[good], ROUNDING)))
         item, lo, hi = item[~good], lo[~good], hi[~good]
         middle = 0.5 * (lo + hi)

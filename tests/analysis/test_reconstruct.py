@@ -152,6 +152,7 @@ def test_a_corner_is_placed_by_the_discs_of_all_sides_that_meet_in_it(tolerance:
         "tiny-sides-of-a-smooth-edge",  # nine in a row were each near to a point of its own, and were made one
         "wander-along-a-side",  # an error along a side that halving did not lessen hid one across it
         "overlap-longer-than-a-bezier",  # a side began behind its corner by more than its first Bezier
+        "overshoot-before-an-arc",  # what a side's errors put beyond its own end was kept, and an arc began there
     ],
 )
 def test_shapes_of_icons_and_glyphs_come_back(name: str) -> None:

@@ -5,7 +5,7 @@
           B  '----------->     a curvature centre at a jump of curvature) that may turn it round: from A back to B, on one line.
 
 1. `forward`: of each Bezier only what runs ahead is kept, told by its derivative's share in the direction that the disc's
-   normal gives, a polynomial.
+   normal gives, a polynomial; and nothing beyond where the first one starts and the last one ends.
 2. `follow`: what of the Beziers before lies ahead of where the next ones start (from B to A) is cut off.
 
 All that is cut off is covered by what follows, but for the error of the axis.
@@ -53,7 +53,11 @@ def forward(pieces: list[Floats], ends: Floats, headings: Headings) -> list[Floa
         found = [(piece, v0)] if whole else _ahead(piece, v0, v1, headings, HALVINGS)
         for part, v in found:
             follow(kept, [part], headings(np.array([v]))[0])
-    return kept
+    start, end = headings(ends[[0, -1], [0, 1]])
+    retreat(kept, pieces[-1][-1], end)
+    backwards = [piece[::-1] for piece in reversed(kept)]
+    retreat(backwards, pieces[0][0], -start)
+    return [piece[::-1] for piece in reversed(backwards)]
 
 
 def _ahead(piece: Floats, v0: float, v1: float, headings: Headings, halvings: int) -> list[tuple[Floats, float]]:
@@ -75,8 +79,15 @@ def _ahead(piece: Floats, v0: float, v1: float, headings: Headings, halvings: in
 
 def follow(pieces: list[Floats], more: list[Floats], heading: Floats) -> None:
     """Step 2: add `more`, which start with a heading, to `pieces`."""
-    while pieces and more:
-        ahead = (pieces[-1] - more[0][0]) @ heading
+    if more:
+        retreat(pieces, more[0][0], heading)
+    pieces.extend(more)
+
+
+def retreat(pieces: list[Floats], place: Floats, heading: Floats) -> None:
+    """Cut off what lies ahead of a place; it may be all."""
+    while pieces:
+        ahead = (pieces[-1] - place) @ heading
         if ahead[-1] <= LEAST:
             break
         crossed = _zeros(ahead)
@@ -84,7 +95,6 @@ def follow(pieces: list[Floats], more: list[Floats], heading: Floats) -> None:
         if crossed:
             pieces.append(split(last, crossed[-1])[0])
             break
-    pieces.extend(more)
 
 
 def split(control: Floats, t: float) -> tuple[Floats, Floats]:
