@@ -45,6 +45,13 @@ class Execute:
     whole: bool
     qualified: frozenset[str]
 
+    def relocate(self, problems: list[Json]) -> None:
+        """Make the places of problems those of the request that the body came in."""
+        for problem in problems:
+            for member in ("pointer", "other"):
+                if problem.get(member) is not None:
+                    problem[member] = self.place(problem[member])
+
     def place(self, pointer: str) -> str:
         """A JSON pointer into `body` as one into the request."""
         name = pointer.split("/")[1] if pointer else ""

@@ -18,11 +18,13 @@ from types import ModuleType
 import orjson
 
 from service.errors import PROBLEM_LINE
-from service.settings import MIB
 from service.workers import wire
 
 NOTE_SECONDS = 0.1
 """A worker on a chunk gives a sign of life after a line if it gave none for so long."""
+
+BLOCK = 1 << 20
+"""Bytes of a file that are read at a time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +57,7 @@ class Results:
         try:
             self._file = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
             os.ftruncate(self._file, kept.size)
-            while block := os.read(self._file, MIB):
+            while block := os.read(self._file, BLOCK):
                 self._hash.update(block)
         except OSError as error:
             raise Unwritten(error.strerror) from error

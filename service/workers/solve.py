@@ -178,7 +178,7 @@ def _solve(order: dict[str, Any], body: bytes, report: Report | None) -> Answer:
             answer = _answer(order, content, strict_error, clock, report)
     except RequestError as refusal:
         if frame is not None:
-            _relocate(refusal.extra.get("problems", []), frame)
+            frame.relocate(refusal.extra.get("problems", []))
         raise
     if look is not None:
         return {"timings": clock.laps, "format": form, "whole": whole}, b""
@@ -190,14 +190,6 @@ def _solve(order: dict[str, Any], body: bytes, report: Report | None) -> Answer:
         answer, zipped = encode.compressed(answer)
         clock.lap("compress")
     return {"timings": clock.laps, "format": form, "gzip": zipped, "whole": whole}, answer
-
-
-def _relocate(problems: list[dict[str, Any]], frame: execute.Execute) -> None:
-    """Make the places of problems those of the request that the domain came in."""
-    for problem in problems:
-        for member in ("pointer", "other"):
-            if problem.get(member) is not None:
-                problem[member] = frame.place(problem[member])
 
 
 def _answer(

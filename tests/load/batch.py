@@ -26,7 +26,7 @@ from service.workers.process import give_way
 from tests.load.client import connected
 from tests.load.report import Report
 from tests.load.scale import Scale
-from tests.load.server import serving
+from tests.load.server import serving, used_by_all
 from tests.load.traffic import Piece, small
 
 CHUNK = 500
@@ -46,19 +46,23 @@ async def batch(scale: Scale, report: Report) -> None:
     asked = [pieces[k % len(pieces)] for k in range(scale.lines)]
     pool_shares, shares = [], []
     for number in range(1, scale.rounds + 1):
-        bare, bare_used = await asyncio.to_thread(_bare, asked, scale.workers)
+        bare, bare_used, others = await asyncio.to_thread(_bare, asked, scale.workers)
         pooled, pool_right = await _pooled(asked, scale)
         async with serving(scale.folder, workers=scale.workers, batch_chunk=CHUNK) as server:
-            before = server.processor_seconds()
+            before = (used_by_all(), *server.processor_seconds())
             visit = await asyncio.to_thread(Visit, server.port, asked)
-            used = [b - a for a, b in zip(before, server.processor_seconds(), strict=True)]
+            after = (used_by_all(), *server.processor_seconds())
+            everything, web, workers = (b - a for a, b in zip(before, after, strict=True))
+            others += everything - web - workers - visit.processor_seconds
         pool_shares.append(bare / pooled)
         shares.append(bare / visit.seconds)
         rates = " / ".join(f"{len(asked) / seconds:.0f}" for seconds in (bare, pooled, visit.seconds))
         report.figure("batch", f"round {number}, domains a second", f"{rates} ({scale.workers} bare processes / the pool / HTTP)")
-        report.figure("batch", "over HTTP", f"{visit}; each domain costs {_each(used[1], asked)} in the workers,")
-        each = f"{_each(used[0], asked)} in the web process, {_each(visit.processor_seconds, asked)} in the client"
-        report.figure("batch", "", f"{each}, and {_each(bare_used, asked)} in bare processes (processor time)")
+        costs = {"a bare process": bare_used, "a worker": workers, "the web process": web, "the client": visit.processor_seconds}
+        report.figure("batch", "over HTTP", str(visit))
+        told = ", ".join(f"{_each(seconds, asked)} in {name}" for name, seconds in costs.items())
+        report.figure("batch", "processor time of a domain", told)
+        report.figure("batch", "other programs meanwhile", f"{others / (bare + visit.seconds):.1%} of a processor")
         for name, right in (("the pool", pool_right), ("HTTP", visit.right)):
             text = f"{right} of {len(asked)} result lines of {name} right, in order"
             report.promise("batch", text, right == len(asked))
@@ -100,8 +104,11 @@ async def resumed(scale: Scale, report: Report) -> None:
     report.promise("resumed", "no process stays behind", not server.orphans())
 
 
-def _bare(asked: Sequence[Piece], processes: int) -> tuple[float, float]:
-    """Seconds that processes take which do nothing else, at the priority of workers with long work; and of processor time."""
+def _bare(asked: Sequence[Piece], processes: int) -> tuple[float, float, float]:
+    """Seconds that processes take which do nothing else, at the priority of workers with long work.
+
+    And seconds of processor time: theirs, and other programs'.
+    """
     context = multiprocessing.get_context("spawn")
     start = context.Barrier(processes + 1)
     used = context.SimpleQueue()
@@ -110,12 +117,13 @@ def _bare(asked: Sequence[Piece], processes: int) -> tuple[float, float]:
     for process in family:
         process.start()
     start.wait()
-    begun = time.monotonic()
+    begun, before = time.monotonic(), used_by_all()
     for process in family:
         process.join()
-    seconds = time.monotonic() - begun
+    seconds, everything = time.monotonic() - begun, used_by_all() - before
     assert not any(process.exitcode for process in family)
-    return seconds, sum(used.get() for _ in family)
+    ours = sum(used.get() for _ in family)
+    return seconds, ours, everything - ours
 
 
 def _solve_all(bodies: Sequence[bytes], start: Barrier, used: SimpleQueue[float]) -> None:

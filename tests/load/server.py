@@ -115,6 +115,12 @@ def used(pid: int) -> float:
     return (int(after_name[11]) + int(after_name[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def used_by_all() -> float:
+    """Seconds of processor time that the whole machine has used."""
+    user, nice, system, _, _, irq, softirq, *_ = map(int, Path("/proc/stat").read_text().split("\n")[0].split()[1:])
+    return (user + nice + system + irq + softirq) / os.sysconf("SC_CLK_TCK")
+
+
 @contextlib.asynccontextmanager
 async def serving(folder: Path, **settings: object) -> AsyncIterator[Server]:
     """A service that is ready, stopped in the end whatever happens."""
