@@ -277,10 +277,11 @@ def check_discs(report: Report, answer: Answer, reference: Reference, tolerance:
         # nor can the oracle see how far a corner stands back from a disc that touches both its sides
         back = gap * np.concatenate([reference.flat_turns, np.ones(len(reference.bends_beside_reflex))])
         lonely = lonely[((gap > 1e-5 * radius[lonely][:, None] + 1e-9) & (back > UNSEEN_DEPTH)).all(axis=1)]
-    # the sides of a corner that turns by a touch a disc at r a / 2 from it: too near to each other, maybe, to be seen as two
+    # the sides of a corner that turns by a touch a disc at r a / 2 from it, or at the corner itself where one bends back there:
+    # too near to each other, maybe, to be seen as two
     for corner in (c for c in reference.corners if c.turn > 0):
-        apart = radius[lonely] * corner.turn
-        lonely = lonely[(apart > ONE_PLACE) | (np.linalg.norm(anchor[lonely] - corner.point, axis=1) > apart)]
+        apart = np.minimum(radius[lonely] * corner.turn, ONE_PLACE)
+        lonely = lonely[np.linalg.norm(anchor[lonely] - corner.point, axis=1) > apart]
     shown = "" if not len(lonely) else f"{center[lonely[0]]} r {radius[lonely[0]]:.6g} segment {owner[lonely[0]]}"
     report.require(not len(lonely), f"discs touching one place only: {len(lonely)} of {len(center)}, at {shown}")
 
@@ -473,7 +474,7 @@ def check_nodes(report: Report, answer: Answer, reference: Reference) -> None:
 def hidden_feet(answer: Answer, node: Json) -> int:
     """Footpoints of a node beside others, nearer than the oracle tells contacts apart (`check_footpoints` judges them)."""
     feet = np.array([f["point"] for f in node["footpoints"]]) / answer.size
-    return sum(bool((np.linalg.norm(feet[:i] - foot, axis=1) < TINY).any()) for i, foot in enumerate(feet))
+    return sum(bool((np.linalg.norm(feet[:i] - foot, axis=1) < ONE_PLACE).any()) for i, foot in enumerate(feet))
 
 
 def check_footpoints(report: Report, answer: Answer, reference: Reference, tolerance: float) -> None:

@@ -24,6 +24,7 @@ JOINT_BLUR = 1e-11  # rounding of a cell's second derivative, in its own paramet
 EMPTY = 1e-10  # a disc this much too large still counts as empty
 DOUBT = 1e-7  # up to here nobody can say
 SHARE_EMPTY, SHARE_DOUBT = 1e-4, 1e-2  # of its radius, if that is less
+SHARP_EMPTY, SHARP_SHARE = 1e-12, 1e-8  # beyond this and this share of its radius it may be none
 FAINT = 1e-7  # radians; a rise of the curvature to above zero that turns by less is not seen with certainty,
 FAINT_DEPTH = 1e-15  # nor one that turns by less than this over its width
 RIPPLE = 0.01  # of the curvature in such a bend, between two of its maxima
@@ -63,6 +64,8 @@ def count_leaves(reference: Reference) -> Leaves:
             continue
         if short > min(EMPTY, SHARE_EMPTY / curvature):
             doubtful += hidden
+        elif short > SHARP_EMPTY + SHARP_SHARE / curvature:
+            doubtful += 1
         elif flat and (flat_corners or hidden > 1):
             doubtful += hidden  # an arc between corners that are too flat to see, or one that is none to more digits
         elif flat:

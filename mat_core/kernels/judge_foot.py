@@ -12,7 +12,7 @@ NEWTON = 60  # steps of the bracketed Newton iterations; halving alone ends in a
 INSET = 1e-3  # a first guess at an end is taken this share of the interval inside
 SETTLED = 1e-8  # a Newton step below this squares to rounding
 RETRIES = 6  # first guesses for a local foot,
-END_RETRIES = 6  # and more where that is an end, each this share of the last one's way from it:
+END_RETRIES = 6  # and more where that is an end, each this share of the way of the one before from it:
 TOWARDS_END = 0.05
 CLOSE = 1e-11  # a foot this near to where a disc should touch is the one that was looked for; well below what a check forgives
 
@@ -121,20 +121,28 @@ def distance_from(si, sf, cp, i, lo, hi, guess, x, y, r, granted):
         return abs(math.sqrt(dx * dx + dy * dy) - r), guess
     best = math.inf
     best_s = guess
-    inside = 1.0
-    for attempt in range(RETRIES + END_RETRIES):
+    for attempt in range(RETRIES):
         distance, s = foot(si, sf, cp, i, lo, hi, x, y, guess)
         off = abs(distance - r)
         if off < best:
             best = off
             best_s = s
         if best <= max(granted, CLOSE):
-            break
+            return best, best_s
         guess = lo + (attempt + 0.5) / (RETRIES - 1.0) * (hi - lo)
-        if attempt >= RETRIES - 1:
-            # an end may be a local foot beside the true one, which steps from farther inside pass over
-            inside *= TOWARDS_END
-            if lo < best_s < hi:
-                break
-            guess = lo + inside * (hi - lo) if best_s == lo else hi - inside * (hi - lo)
+    return _beside_end(si, sf, cp, i, lo, hi, x, y, r, best, best_s) if best_s <= lo or best_s >= hi else (best, best_s)
+
+
+@inner
+def _beside_end(si, sf, cp, i, lo, hi, x, y, r, best, best_s):
+    """`distance_from` where the best foot is an end: that may be a local one, which steps from farther inside all lead to."""
+    sign = 1.0 if best_s <= lo else -1.0
+    end = best_s
+    way = hi - lo
+    for _ in range(END_RETRIES):
+        way *= TOWARDS_END
+        distance, s = foot(si, sf, cp, i, lo, hi, x, y, end + sign * way)
+        if abs(distance - r) < best:
+            best = abs(distance - r)
+            best_s = s
     return best, best_s

@@ -29,7 +29,6 @@ UNSEEN = {
     "points-that-no-parameter-names",
     "a-strip-of-no-length-along-all-of-a-side",
     "a-slight-bend-of-1e-19-beside-a-reflex-vertex",
-    "contacts-1e-11-apart",
 }
 
 
