@@ -21,6 +21,7 @@ POLISH_STEPS = 6
 LEVER = 1e4  # a step this many times what it mends goes where two contacts that nearly are one leave the disc free
 SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
 AS_WIDE = 0.5  # of the distance of the contacts of a disc, which the feet of one that stands for it must keep
+AROUND = 0.1  # share of the way from a contact to either end of its site within which it is sought again
 SAME_PLACE = 1e-6  # radii between a disc and the one solved for once more
 DEPTH_NOISE = 8e-15  # of contacts, of which only the direction tells one from the other: thirty-two roundings of a coordinate
 PARALLEL = 1e-7  # determinant of three contact directions below which a disc is not polished
@@ -97,12 +98,20 @@ def solve_at_corner(si, sf, cp, w_i, w_f, left, right, tie, disc, d, s):
         return 0
     lo = w_f[along, 0]
     hi = w_f[along, 1]
+    # arc 0 may end at the vertex that the other two meet at: from there that end would hide the contact inside of it
+    begin = w_f[0, 0]
+    end = w_f[0, 1]
+    if 0.0 < s[0] < 1.0:
+        w_f[0, 0] = max(begin, (1.0 - AROUND) * s[0])
+        w_f[0, 1] = min(end, s[0] + AROUND * (1.0 - s[0]))
     if along == left:
         at, phi, s_other, s_0 = partner_change(si, sf, cp, i, lo, hi, w_i, w_f, other, 0, tie)
     else:
         at, phi, s_0, s_other = partner_change(si, sf, cp, i, lo, hi, w_i, w_f, 0, other, tie)
     # where along the wall the disc lies the corner tells best, how large it is the opposite side
     phi, s_0 = touch_arc(si, sf, cp, i, at, w_i, w_f, 0, tie)
+    w_f[0, 0] = begin
+    w_f[0, 1] = end
     # (an end of arc 0 may tie with the contact inside it: its vertex then is the other one)
     if not K_LOW < phi < math.inf or (not 0.0 < s_0 < 1.0 and 0.0 < s[0] < 1.0):
         return 0
