@@ -85,7 +85,7 @@ class Server:
         return sorted(pid for pid in family - nurseries if alive(pid))
 
     def processor_seconds(self) -> tuple[float, float]:
-        """Of the web process, and of all those that belong to it, since they began; those that have ended are not counted."""
+        """Of the web process, and of all those that belong to it, since they began."""
         return used(self.process.pid), sum(used(pid) for pid in descendants(self.process.pid))
 
     def stop(self) -> None:
@@ -107,12 +107,12 @@ class Server:
 
 
 def used(pid: int) -> float:
-    """Seconds of processor time that a process has used; 0 when it has ended."""
+    """Seconds of processor time that a process has used, and those of its children that have ended; 0 when it has itself."""
     try:
         after_name = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     except OSError:
         return 0.0
-    return (int(after_name[11]) + int(after_name[12])) / os.sysconf("SC_CLK_TCK")
+    return sum(map(int, after_name[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
 def used_by_all() -> float:
