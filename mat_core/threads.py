@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.errors import UnsupportedOption
-from mat_core.memory import give_back
+from mat_core.memory import MANY, give_back
 
 VARIABLE = "MAT_CORE_THREADS"
 """The environment variable that bounds the threads where no argument does."""
@@ -79,16 +79,19 @@ def cut_between(begins: NDArray[np.int64], n: int) -> list[Bounds]:
 def each(work: Callable[[Bounds], R], parts: Sequence[Bounds], threads: int) -> list[R]:
     """What `work` gives for each part, in their order; the first error of a part is raised when no part is worked on any more.
 
-    What is freed before and meanwhile is given back to the operating system: work in parts is large, and so is its room.
+    What is freed before and meanwhile is given back to the operating system where the work is large, and so is its room.
     """
     workers = min(threads, len(parts))
     if len(parts) <= 1:
         return [work(part) for part in parts]
-    give_back()
+    large = len(parts) * PART > MANY
+    if large:
+        give_back()
     if workers <= 1:
         made = [work(part) for part in parts]
     else:
         with ThreadPoolExecutor(workers, thread_name_prefix="mat_core") as pool:
             made = list(pool.map(work, parts))
-    give_back()
+    if large:
+        give_back()
     return made

@@ -164,9 +164,12 @@ def tight_cut(cp, c0, deg, rational, begin, end, rounding):
     k0 = (ax * by - ay * bx) / (first * math.sqrt(first))
     k1 = (dx * ey - dy * ex) / (last * math.sqrt(last))
     tight = max(abs(k0), abs(k1))
-    beside = min(abs(k0), abs(k1)) if k0 * k1 > 0.0 else 0.0  # it is straight in between where it bends both ways
     half = 0.5 * math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)
-    if tight < max(TIGHT, TIGHT * TIGHT * beside) or abs(half) < SLIGHT:
+    if tight < TIGHT or abs(half) < SLIGHT:
+        return end
+    # where it bends both ways it is straight in between, and the bend is tight if it is for the part's extent
+    straight = k0 * k1 <= 0.0 and tight * apart(cp, c0, deg, rational, begin, end) > TIGHT
+    if not straight and tight < TIGHT * TIGHT * min(abs(k0), abs(k1)):
         return end
     lo = passing(TURN, abs(half), cp, c0, deg, rational, begin, begin, end)[0]
     if min(apart(cp, c0, deg, rational, begin, lo), apart(cp, c0, deg, rational, lo, end)) < SHORT * rounding:
