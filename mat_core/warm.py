@@ -26,7 +26,7 @@ from mat_core.model.containment import inside_domain
 from mat_core.model.domain import Domain
 from mat_core.tolerances import LADDER
 from mat_core.topology.building import build_skeleton
-from mat_core.topology.graph import AxisGraph, build_graph
+from mat_core.topology.graph import build_graph
 from mat_core.topology.skeleton import Skeleton
 
 STAGES = ("validation", "sites", "skeleton", "graph", "curves", "certificate", "footpoints")
@@ -36,13 +36,12 @@ LATER_HALF, UNCOMPILED = "--later-half", "--uncompiled"  # for the command line:
 Tell = Callable[[int], None]
 
 
-class Network(NamedTuple):
+class Solved(NamedTuple):
     """What the first half of the stages hands to the later one."""
 
     domain: Domain
     table: SiteTable
     skeleton: Skeleton
-    graph: AxisGraph
 
 
 def example() -> dict[str, object]:
@@ -98,22 +97,22 @@ def warm(progress: Callable[[str, int, int], None] | None = None, part: str = "a
             gc.enable()
 
 
-def _first_half(tell: Tell) -> Network:
-    """From the input to the graph."""
+def _first_half(tell: Tell) -> Solved:
+    """From the input to the skeleton."""
     rung = LADDER[0]
     tell(0)
     domain = Domain.from_dict(example())
     tell(1)
     table = build_sites(domain, 1e-6, rung)
     tell(2)
-    skeleton = build_skeleton(table, rung)
+    return Solved(domain, table, build_skeleton(table, rung))
+
+
+def _later_half(found: Solved, tell: Tell) -> None:
+    """From the graph to the answer."""
+    domain, table, skeleton = found
     tell(3)
-    return Network(domain, table, *build_graph(table, skeleton, rung))
-
-
-def _later_half(found: Network, tell: Tell) -> None:
-    """From curves to the answer."""
-    domain, table, skeleton, graph = found
+    skeleton, graph = build_graph(table, skeleton, LADDER[0])
     tell(4)
     axis = build_axis(domain, table, skeleton, graph, 1e-6, None)
     tell(5)
@@ -129,10 +128,10 @@ def halves() -> tuple[str, ...]:
     return () if all_kept() else PARTS[1:]
 
 
-def _found_uncompiled() -> Network:
+def _found_uncompiled() -> Solved:
     """The first half's results, from a process that compiles nothing."""
     with _this_module(UNCOMPILED, stdout=subprocess.PIPE, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}) as other:
-        return Network(*pickle.loads(other.communicate()[0]))
+        return Solved(*pickle.loads(other.communicate()[0]))
 
 
 def _this_module(what: str, **options: Any) -> subprocess.Popen[bytes]:
