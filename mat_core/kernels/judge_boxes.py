@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import CP0, DEG, FAN, KIND, LINE, X0, X1, Y0, Y1
 
-UNSORTED = 64  # up to so many sites stand in loop order
+UNSORTED = 100  # up to so many sites stand in loop order
 MOST_NEAR = 32  # leaves gathered for the discs of a piece; where there are more, each disc walks the tree itself
 ROUNDING = 1e-14  # of coordinates and of how far discs reach, normalised
 _SPREAD = ((16, 0x0000FFFF0000FFFF), (8, 0x00FF00FF00FF00FF), (4, 0x0F0F0F0F0F0F0F0F), (2, 0x3333333333333333),
