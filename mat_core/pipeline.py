@@ -195,11 +195,12 @@ def _finish(
         certificate = certify(table, skeleton, graph, axis.curves, tolerance, domain=domain, threads=threads)
         if certificate.passed:
             return axis.with_certificate(certificate)
-        if not OF_CURVES.issuperset(_failed(certificate)):
+        failed = _failed(certificate)
+        if not OF_CURVES.issuperset(failed):
             break
-    check = certificate["checks"][_failed(certificate)[0]]
+    check = certificate["checks"][failed[0]]
     place = tuple(check["place"]) if check.get("place") else None
-    error = NotCertified(f"{_failed(certificate)[0]}: {check['detail']}", place, certificate)
+    error = NotCertified(f"{failed[0]}: {check['detail']}", place, certificate)
     nearest = _nearest(error)
     if nearest < math.inf:
         error = NotCertified(error.detail + LEAST_TOLERANCE.format(ROUNDED_UP * nearest), place, certificate)

@@ -82,8 +82,6 @@ def each(work: Callable[[Bounds], R], parts: Sequence[Bounds], threads: int) -> 
     What is freed before and meanwhile is given back to the operating system where the work is large, and so is its room.
     """
     workers = min(threads, len(parts))
-    if len(parts) <= 1:
-        return [work(part) for part in parts]
     large = len(parts) * PART > MANY
     if large:
         give_back()

@@ -8,7 +8,7 @@ sites.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,7 @@ class SiteTable(NamedTuple):
     smooth_angle: joints that turn by no more, radians, were taken as smooth.
     """
 
-    si: NDArray[np.int64]
+    si: NDArray[Any]
     sf: NDArray[np.float64]
     cp: NDArray[np.float64]
     loop_start: NDArray[np.int64]

@@ -132,23 +132,23 @@ class Listed(NamedTuple):
 
 def numbers(*shape: int) -> Ints:
     """An array of integers yet to be filled."""
-    return maker(shape[-1])(shape, np.int64)
+    return maker(max(shape))(shape, np.int64)
 
 
 def room_for_discs(sites: int, loops: int) -> Arrays:
     """`Room` for a disc a joint, and one a loop to connect them."""
     discs, contacts = sites + loops, 2 * (sites + loops)
     make = maker(sites)
-    return (make((discs, 3)), make((8, discs), np.int64), make((5, discs)), make((6, contacts), np.int64), make((2, contacts)),
-            make((4, loops), np.int64), make((7, loops)), make((discs, 8)))
+    return (make((discs, 3)), numbers(8, discs), make((5, discs)), numbers(6, contacts), make((2, contacts)),
+            numbers(4, loops), make((7, loops)), make((discs, 8)))
 
 
 def room_for_found(sites: int, loops: int) -> Arrays:
     """`Found` as large as it can be."""
     discs, contacts = sites + loops, 2 * (sites + loops)
     make = maker(sites)
-    return (make((discs, 3)), make(discs, np.int64), make(contacts, np.int64), make(contacts), make(contacts, np.int64),
-            make(contacts), make(contacts), make(contacts, np.int64))
+    return (make((discs, 3)), numbers(discs), numbers(contacts), make(contacts), numbers(contacts), make(contacts),
+            make(contacts), numbers(contacts))
 
 
 def room_for_faces(arcs: int, contacts: int) -> Arrays:
@@ -162,6 +162,4 @@ def room_for_faces(arcs: int, contacts: int) -> Arrays:
 
 def room_for_lists(discs: int, contacts: int) -> Arrays:
     """`Listed` for so many discs and contacts."""
-    make = maker(contacts)
-    return (make(discs + 1, np.int64), make(contacts, np.int64), make(contacts), make(discs, np.int64),
-            make((2, contacts), np.int64))
+    return numbers(discs + 1), numbers(contacts), maker(contacts)(contacts), numbers(discs), numbers(2, contacts)

@@ -122,9 +122,8 @@ def _solve_in_parts(task: _Task, discs: int, contacts: int, threads: int) -> Ske
 def _solve_parts(task: _Task, discs: int, contacts: int, threads: int) -> list[Part]:
     """What was known before, and what each part gives."""
     room = FaceRoom(*room_for_faces(0, contacts))
-    make = maker(contacts)
     room = room._replace(
-        face_start=make(contacts + 1, np.int64), stack_i=make((contacts, 2), np.int64), stack_f=make((contacts, 2)))
+        face_start=numbers(contacts + 1), stack_i=numbers(contacts, 2), stack_f=maker(contacts)((contacts, 2)))
     task.run(LINK, numbers(5, max(discs + 1, contacts)), room, _NO_LISTS, task.faces, task.disc, discs, contacts)
     known = Part.of(discs, task.disc, room, Counts(discs, contacts, 0, 0, task.faces))
     parts = cut_between(room.face_start[: task.faces], contacts)
