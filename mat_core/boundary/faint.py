@@ -99,18 +99,19 @@ def _rises_faintly(si, sf, cp, a, b, side):
 
     Where the joint is a reflex vertex and turns by more than that, the discs touch the vertex itself on the other side.
     """
-    own, own_from = _rise(si, sf, cp, a if side == 1 else b, side)
+    i = a if side == 1 else b
+    j = b if side == 1 else a
+    own, own_from = _rise(si, sf, cp, i, side)
     if own == 0.0 or own == math.inf:
         return False
     turn = _turn(sf[a, TX1], sf[a, TY1], sf[b, TX0], sf[b, TY0])
     if -turn > own:
-        return _is_faint(own, _width(si, cp, a if side == 1 else b, side, own_from, own))
-    other, other_from = _rise(si, sf, cp, b if side == 1 else a, 1 - side)
+        return _is_faint(own, _width(si, cp, i, side, own_from, own))
+    other, other_from = _rise(si, sf, cp, j, 1 - side)
     rise = own + other + max(turn, 0.0)
     if rise <= FAINT_TURN or rise == math.inf:
         return rise <= FAINT_TURN
-    width = _width(si, cp, a if side == 1 else b, side, own_from, rise)
-    return _is_faint(rise, width + _width(si, cp, b if side == 1 else a, 1 - side, other_from, rise))
+    return _is_faint(rise, _width(si, cp, i, side, own_from, rise) + _width(si, cp, j, 1 - side, other_from, rise))
 
 
 @inner
