@@ -13,16 +13,11 @@ from mat_core.kernels.jit import inner, jit
 from mat_core.kernels.layout import ARC_CONTACT, FAN, KIND, LEN, LINE, NEXT, SWEEP, THROUGH
 from mat_core.kernels.sorting import group, sort
 from mat_core.topology.discs import NO_PARTNER, NOT_EULER, OK, TOO_SMALL
-from mat_core.topology.faces import link_arcs, list_faces
+from mat_core.topology.faces import link_faces
 from mat_core.topology.rooms import (
-    AROUND,
-    AROUND_START,
     CONTACT_ARC,
     DISC_OF,
-    FACE_ARCS,
-    NEXT_ARC,
     NODE_FIRST,
-    PLACE_AROUND,
     SITE_OF,
     TRI_HI,
     TRI_LO,
@@ -180,7 +175,7 @@ def solve_faces(steps, si, sf, cp, tree, stack, tie, faces, found, links, room, 
     tree, found, room, listed = Tree(*tree), Found(*found), FaceRoom(*room), Listed(*listed)
     strips = wholes = 0
     if steps & LINK:
-        made = _link(found, links, room, n_discs, n_contacts)
+        made = link_faces(found, links, room, n_discs, n_contacts)
         if made != faces:
             return NOT_EULER, n_discs, n_contacts, 0, 0, 0, made
     if steps & SOLVE:
@@ -197,35 +192,6 @@ def solve_faces(steps, si, sf, cp, tree, stack, tie, faces, found, links, room, 
         wholes = wholes if steps & SOLVE else room.whole_i.shape[0]
         _list_contacts(found, room, listed, n_known, n_discs, n_contacts, wholes)
     return OK, n_discs, n_contacts, strips, wholes, -1, faces
-
-
-@inner
-def _link(found, links, room, discs, contacts):
-    """Put the faces in `room`; how many."""
-    around_start = links[AROUND_START]
-    around = links[AROUND]
-    place_around = links[PLACE_AROUND]
-    face_arcs = links[FACE_ARCS]
-    owner = found.owner
-    for c in range(contacts):
-        face_arcs[c] = c
-    group(owner, contacts, discs, around_start, around, face_arcs)
-    for d in range(discs):
-        sort(found.angle, around, face_arcs, around_start[d], around_start[d + 1])
-    for place in range(contacts):
-        place_around[around[place]] = place
-    link_arcs(contacts, found.next_contact, around, around_start, owner, place_around, links[NEXT_ARC])
-    faces = list_faces(contacts, links[NEXT_ARC], face_arcs, room.face_start)
-    for place in range(contacts):
-        a = face_arcs[place]
-        room.stack_i[place, 0] = found.site[a]
-        room.stack_i[place, 1] = owner[found.next_contact[a]]
-        room.stack_f[place, 0] = found.s[a]
-        room.stack_f[place, 1] = found.arc_hi[a]
-        room.contact_i[DISC_OF, place] = owner[place]
-        room.contact_i[SITE_OF, place] = found.site[place]
-        room.contact_s[place] = found.s[place]
-    return faces
 
 
 @inner

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import LOOP
+from mat_core.kernels.sorting import group, sort
+from mat_core.topology.rooms import AROUND, AROUND_START, DISC_OF, FACE_ARCS, NEXT_ARC, PLACE_AROUND, SITE_OF
 
 
 @inner
@@ -62,4 +64,33 @@ def list_faces(n, next_arc, face_arcs, face_start):
         if done > face_start[faces]:
             faces += 1
     face_start[faces] = done
+    return faces
+
+
+@inner
+def link_faces(found, links, room, discs, contacts):
+    """Put the faces in `room`; how many."""
+    around_start = links[AROUND_START]
+    around = links[AROUND]
+    place_around = links[PLACE_AROUND]
+    face_arcs = links[FACE_ARCS]
+    owner = found.owner
+    for c in range(contacts):
+        face_arcs[c] = c
+    group(owner, contacts, discs, around_start, around, face_arcs)
+    for d in range(discs):
+        sort(found.angle, around, face_arcs, around_start[d], around_start[d + 1])
+    for place in range(contacts):
+        place_around[around[place]] = place
+    link_arcs(contacts, found.next_contact, around, around_start, owner, place_around, links[NEXT_ARC])
+    faces = list_faces(contacts, links[NEXT_ARC], face_arcs, room.face_start)
+    for place in range(contacts):
+        a = face_arcs[place]
+        room.stack_i[place, 0] = found.site[a]
+        room.stack_i[place, 1] = owner[found.next_contact[a]]
+        room.stack_f[place, 0] = found.s[a]
+        room.stack_f[place, 1] = found.arc_hi[a]
+        room.contact_i[DISC_OF, place] = owner[place]
+        room.contact_i[SITE_OF, place] = found.site[place]
+        room.contact_s[place] = found.s[place]
     return faces
