@@ -32,6 +32,12 @@ FILES_BESIDE = 512
 HEAD_BYTES = 64 * KIB
 """Longest head of a request."""
 
+BACKLOG = 2048
+"""Connections that may wait to be accepted."""
+
+ACCEPTED_AT_ONCE = 16
+"""Connections that are accepted in a pass of the event loop, a tenth of a millisecond each."""
+
 _log = logging.getLogger("service.server")
 
 
@@ -52,12 +58,18 @@ class Server(uvicorn.Server):
         http = protocol(app.state.connections)
         config = uvicorn.Config(
             app, http=http, ws="none", log_config=None, access_log=False, timeout_graceful_shutdown=drain,
-            h11_max_incomplete_event_size=HEAD_BYTES,
+            h11_max_incomplete_event_size=HEAD_BYTES, backlog=ACCEPTED_AT_ONCE,
         )  # fmt: skip
         super().__init__(config)
         self._app = app
         self._notice_seconds = settings.shutdown_notice_seconds
         self._leave_at: float | None = None
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to serve. To asyncio the backlog says also how many are accepted at once, so the kernel is told its own anew."""
+        await super().startup(sockets)
+        for listening in sockets or []:
+            listening.listen(BACKLOG)
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Begin to leave; unlike uvicorn's own, the signal is not raised again at the end."""

@@ -6,11 +6,8 @@ import argparse
 import socket
 
 from service.cli.exits import OK, USAGE, Failure
-from service.server import run
+from service.server import BACKLOG, run
 from service.settings import InvalidSetting, Settings
-
-BACKLOG = 2048
-"""Connections that may wait to be accepted."""
 
 
 def serve(asked: argparse.Namespace) -> int:

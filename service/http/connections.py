@@ -39,6 +39,10 @@ Reason = Literal["silent", "head", "answer", "crowd", "not-http"]
 SLICE_BYTES = 4 * KIB
 """Of what has come on a connection that is looked at at a time; 6 ms if it is chunks of one byte."""
 
+READ_BYTES = 16 * KIB
+"""Most that is read of a connection at a time. What asyncio would read, 256 KiB, is new memory each time, and the
+kernel takes longer to find its pages than a small request takes. In pieces of this size 8 MB take 59 ms, not 43."""
+
 URGENT = (b"GET /healthz ", b"GET /readyz ")
 """How requests begin that tell whether the service is well."""
 
@@ -62,6 +66,7 @@ class Connections:
         self._most = settings.max_connections
         self._waiting: dict[Connection, None] = {}  # for a head; who has waited longest is the first
         self.turns = Turns()
+        self.came = memoryview(bytearray(READ_BYTES))  # on any connection; it is emptied at once
         self.open = 0
         self.ended: dict[Reason, int] = {"silent": 0, "head": 0, "answer": 0, "crowd": 0, "not-http": 0}
 
@@ -89,7 +94,7 @@ class Connections:
         self._waiting.pop(connection, None)
 
 
-class Connection(H11Protocol):
+class Connection(H11Protocol, asyncio.BufferedProtocol):
     """One of them. Use as made by `protocol`."""
 
     family: Connections
@@ -123,10 +128,14 @@ class Connection(H11Protocol):
             self.family.leave()
         super().connection_lost(exc)
 
-    def data_received(self, data: bytes) -> None:
+    def get_buffer(self, sizehint: int) -> memoryview:
+        """Where the next bytes go."""
+        return self.family.came
+
+    def buffer_updated(self, nbytes: int) -> None:
         """Something has come; it is looked at when it is this connection's turn, and no more is read until all of it is."""
         self._unset_keepalive_if_required()
-        self._unread += data
+        self._unread += self.family.came[:nbytes]
         urgent = self.conn.their_state is h11.IDLE and self._unread.startswith(URGENT)
         self.family.turns.wait(self, self.loop, urgent=urgent)
         if len(self._unread) > SLICE_BYTES:

@@ -16,6 +16,7 @@ an answer, a lost job, a process that stayed behind, an answer that came too lat
     calm        small requests alone: throughput, latency, and the share that is not solving
     huge        small requests while four huge domains are being solved, health checks throughout
     endless     small requests beside a flow of small bodies that would take half a minute each
+    flood       health checks beside clients that send as much as they can
     overload    more requests than may wait
     deadlines   work that takes longer than it may
     faults      workers killed, memory hogs, slow clients, clients that leave or do not read, bodies that are cut off

@@ -15,6 +15,7 @@ from tests.load.batch import batch, resumed
 from tests.load.calm import beside_endless, beside_huge, calm, deadlines, overload
 from tests.load.durability import database, disk, dismissed, killed
 from tests.load.faults import faults
+from tests.load.flood import flood
 from tests.load.machines import machines
 from tests.load.report import Report
 from tests.load.scale import Scale, short
@@ -23,6 +24,7 @@ PARTS: dict[str, Callable[[Scale, Report], Awaitable[None]]] = {
     "calm": calm,
     "huge": beside_huge,
     "endless": beside_endless,
+    "flood": flood,
     "overload": overload,
     "deadlines": deadlines,
     "faults": faults,

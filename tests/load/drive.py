@@ -134,16 +134,19 @@ async def paced(
 
 
 @contextlib.asynccontextmanager
-async def health(port: int) -> AsyncIterator[list[float]]:
-    """Ask for the health of the service all the while; the seconds that each answer took."""
+async def health(port: int, *, anew: bool = False) -> AsyncIterator[list[float]]:
+    """Ask for the health of the service all the while, on one connection or each time on a new one; seconds of each answer."""
     seconds: list[float] = []
 
     async def check() -> None:
         async with connected(port) as connection:
             while True:
+                begun = time.monotonic()
                 answer = await connection.request("GET", "/healthz")
                 assert answer.status == 200
-                seconds.append(answer.seconds)
+                seconds.append(time.monotonic() - begun)
+                if anew:
+                    connection.close()
                 await asyncio.sleep(HEALTH_PAUSE)
 
     task = asyncio.create_task(check())
