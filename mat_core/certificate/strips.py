@@ -20,6 +20,7 @@ A strip between lines, arcs and points has a conic (c', r') = (x, y, r) / w of d
     n.c' - r' of a line,    |c' - p|^2 - (r' + s)^2 of a circle (a point has s = 0),    times w or w^2,
 
 is a polynomial of degree 4 at most, and nothing but 0 if it is 0 at both ends, where the discs are, and at three places between.
+So the discs there are those of the axis, with a foot on either side: they confirm the partners, and none is found anew.
 
 All these discs are probes: rows x, y, r, s, off of a table. Those of a strip are near each other, so one walk through the
 tree of boxes gathers what any of them may reach into (most strips have one piece of a curve; the pieces of others are
@@ -76,14 +77,18 @@ def check_strip(t, k, c, strip, part, run, boxes, slack, figures):
     d1 = k.strip_i[strip, 3]
     radius = 0.5 * (k.disc[d0, 2] + k.disc[d1, 2])
     right, left = _sides(t, k, strip, radius)
+    end = c.part_start[run + 1] if part >= 0 else -1
+    single = part >= 0 and (part + 1 == end or c.part_i[part + 1, 1] != strip)
+    conic = single and _is_conic(t, k, c, strip, run)
+    confirms = conic and c.max_error[run] <= CLOSE
+    if confirms:
+        right = left = False
     for side in range(2):
         if left if side else right:
             _find_anew(t, k, strip, side, radius, False, boxes.probe)
         else:
             _probe(boxes.probe, PARTNERS + side, k.disc[d0, 0], k.disc[d0, 1], 0.0, 0.0, 0.0)
-    end = c.part_start[run + 1] if part >= 0 else -1
-    single = part >= 0 and (part + 1 == end or c.part_i[part + 1, 1] != strip)
-    first = INNER if single and _is_conic(t, k, c, strip, run) else 0
+    first = INNER if conic else 0
     if single:
         _sample(c, run, part, first, boxes)
     count = _gather(boxes, k.disc[d0, 0], k.disc[d0, 1], k.disc[d1, 0], k.disc[d1, 1], first if single else PARTNERS, PROBES)
@@ -95,7 +100,7 @@ def check_strip(t, k, c, strip, part, run, boxes, slack, figures):
         if not single:
             _sample(c, run, part, 0, boxes)
             count = _gather(boxes, probe[0, X], probe[0, Y], probe[1, X], probe[1, Y], 0, PARTNERS)
-        _judge_piece(t, k, strip, c.max_error[run], count, PARTNERS - first, boxes, slack, figures)
+        _judge_piece(t, k, strip, c.max_error[run], count, PARTNERS - first, confirms, boxes, slack, figures)
         part += 1
 
 
@@ -231,10 +236,11 @@ def _sample(c, run, part, first, boxes):
 
 
 @inner
-def _judge_piece(t, k, strip, error, count, samples, boxes, slack, figures):
+def _judge_piece(t, k, strip, error, count, samples, confirms, boxes, slack, figures):
     """Samples of a piece touch either side of their strip, and the boundary stays out of them; error: what the curve states.
 
-    `count` leaves were gathered for them; the first `samples` from the middle are looked at.
+    `count` leaves were gathered for them; the first `samples` from the middle are looked at. confirms: whether they are discs of
+    the axis, which stand for those found anew.
     """
     granted = error + slack
     probe = boxes.probe
@@ -257,9 +263,12 @@ def _judge_piece(t, k, strip, error, count, samples, boxes, slack, figures):
         right_before = s_right
         left_before = s_left
         last = SAMPLES[n]
-        off, s_right = distance_from(t.si, t.sf, t.cp, right, s[strip, 0], s[strip, 1], guess_right, x, y, r, granted)
-        worst(figures, CURVES_ON_AXIS, off - granted, x, y)
-        off, s_left = distance_from(t.si, t.sf, t.cp, left, s[strip, 3], s[strip, 2], guess_left, x, y, r, granted)
-        worst(figures, CURVES_ON_AXIS, off - granted, x, y)
+        off_right, s_right = distance_from(t.si, t.sf, t.cp, right, s[strip, 0], s[strip, 1], guess_right, x, y, r, granted)
+        off_left, s_left = distance_from(t.si, t.sf, t.cp, left, s[strip, 3], s[strip, 2], guess_left, x, y, r, granted)
+        for off in (off_right, off_left):
+            worst(figures, CURVES_ON_AXIS, off - granted, x, y)
+            if confirms:
+                worst(figures, PARTNERS_RIGHT, off - granted, x, y)
+                worst(figures, PARTNERS_LEFT, off - granted, x, y)
         inside = _depth(t, boxes, count, n, right, s_right, left, s_left)
         worst(figures, CURVES_EMPTY, inside - granted, x, y)

@@ -60,9 +60,14 @@ def pasted_frame(cp, c0, deg, rational, s, ox, oy):
     m = deg - 2
     t = 1.0 - s
     b0x = b0y = b0w = b1x = b1y = b1w = b2x = b2y = b2w = 0.0
-    low = s <= 0.5
-    ratio = s / t if low else t / s
-    c = t**m if low else s**m
+    low = s <= 0.5 or m < 2
+    ratio = 0.0
+    c = t
+    if m > 1:
+        ratio = s / t if low else t / s
+        c = t**m if low else s**m
+    elif m == 0:
+        c = 1.0
     for step in range(m + 1):
         i = c0 + (step if low else m - step)
         w0 = w1 = w2 = c
@@ -79,7 +84,10 @@ def pasted_frame(cp, c0, deg, rational, s, ox, oy):
         b1y += w1 * (cp[i + 1, 1] - oy)
         b2x += w2 * (cp[i + 2, 0] - ox)
         b2y += w2 * (cp[i + 2, 1] - oy)
-        c *= ratio * (m - step) / (step + 1.0)
+        if m == 1:
+            c = s
+        else:
+            c *= ratio * (m - step) / (step + 1.0)
     tt = t * t
     ts = 2.0 * t * s
     ss = s * s

@@ -10,6 +10,10 @@ from mat_core.kernels.jit import inner
 NEWTON_STEPS = 60
 CAP_STEPS = 48  # halvings of a piece until the turn of D is clear
 FLAT = 1e-12  # relative difference of two values of phi that does not make an end of a site better than its inside
+SUMMIT_STEPS = 8  # of Newton's method; from a guess nearby two or three are enough
+SETTLED = 1e-8  # a step this short, in s, leaves an error of rounding
+CLEAR = 3e-5  # nor may it be longer than this share of the distance from the footpoint, on which psi changes
+AMPLE = 4.0  # D may turn forth and back, and T, where curvature changes its sign
 SMALL = 0.5  # tan(psi) below which a few terms tell psi
 
 
@@ -58,18 +62,19 @@ def _turned(ax, ay, bx, by):
 
 
 @inner
-def _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, b, bx, by, tbx, tby):
-    """How much psi changes from a to b on a piece that turns by less than half a turn, whole turns counted.
+def _turns(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, b, bx, by, tbx, tby):
+    """(turn of T, turn of D) from a to b on a piece that turns by less than half a turn, whole turns counted.
 
     angle(T') = 2 angle(D) - angle(T) + pi, and psi falls as T' turns left: change = turn of T - 2 (turn of D). That of D is less
     than half a turn unless p lies inside the cap between the piece and its chord. It may do so where D turns the other way than
     it sets out and arrives: then halves are looked at, of which one is clear, until all are.
     """
-    total = _turned(tax, tay, tbx, tby)
+    tangent = _turned(tax, tay, tbx, tby)
+    counted = 0.0
+    turned = _turned(ax, ay, bx, by)
     for _ in range(CAP_STEPS):
-        seen = _turned(ax, ay, bx, by)
         sense = ax * tay - ay * tax
-        if sense * (bx * tby - by * tbx) <= 0.0 or seen * sense >= 0.0:
+        if sense * (bx * tby - by * tbx) <= 0.0 or turned * sense >= 0.0:
             break
         m = 0.5 * (a + b)
         x, y, tx, ty, k, speed = evaluate_spiral(si, sf, cp, j, m, ox, oy)
@@ -78,21 +83,24 @@ def _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, b, bx, by, tbx
         if not a < m < b or x == 0.0 and y == 0.0:
             break
         first = _turned(ax, ay, x, y)
+        second = _turned(x, y, bx, by)
         if sense * (x * ty - y * tx) <= 0.0 or first * sense >= 0.0:
-            total -= 2.0 * first
+            counted += first
+            turned = second
             a = m
             ax = x
             ay = y
             tax = tx
             tay = ty
         else:
-            total -= 2.0 * _turned(x, y, bx, by)
+            counted += second
+            turned = first
             b = m
             bx = x
             by = y
             tbx = tx
             tby = ty
-    return total - 2.0 * _turned(ax, ay, bx, by)
+    return tangent, counted + turned
 
 
 @inner
@@ -101,7 +109,8 @@ def _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, pa, wa, hi, 
 
     D and the tangent at lo and hi are given, and W there.
     """
-    pb = pa + _fallen(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, hi, bx, by, tbx, tby)
+    tangent, sight = _turns(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, hi, bx, by, tbx, tby)
+    pb = pa + tangent - 2.0 * sight
     turn = 2.0 * math.pi
     if wa < 0.0:  # psi falls from pa, perhaps rises again later
         goal = 0.0 if pa > 0.0 else -turn
@@ -118,6 +127,10 @@ def _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, pa, wa, hi, 
     for _ in range(60):
         if found and above < 1.5 and below > -1.5:
             break
+        # from here to its extremum psi does not turn by more than T and D do from a to b
+        out_of_reach = AMPLE * (abs(tangent) + 2.0 * abs(sight))
+        if not found and (min(above, below) > out_of_reach if wa < 0.0 else max(above, below) < -out_of_reach):
+            break
         m = 0.5 * (a + b)
         if not a < m < b:
             break
@@ -125,7 +138,8 @@ def _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, pa, wa, hi, 
         dx = x - dpx
         dy = y - dpy
         dd = dx * dx + dy * dy
-        value = above + _fallen(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, m, dx, dy, tx, ty)
+        first_tangent, first_sight = _turns(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, m, dx, dy, tx, ty)
+        value = above + first_tangent - 2.0 * first_sight
         if found or (value <= 0.0 if wa < 0.0 else value > 0.0):
             found = True
             forward = value > 0.0
@@ -138,9 +152,13 @@ def _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, pa, wa, hi, 
             ay = dy
             tax = tx
             tay = ty
+            tangent -= first_tangent
+            sight -= first_sight
         else:
             b = m
             below = value
+            tangent = first_tangent
+            sight = first_sight
     return found, a, b
 
 
@@ -179,8 +197,48 @@ def _root(si, sf, cp, j, ox, oy, dpx, dpy, nx, ny, wa, a, b):
 
 
 @inner
+def summit(si, sf, cp, j, lo, hi, guess, ox, oy, dpx, dpy, nx, ny, near):
+    """(phi, s) of the maximum of phi inside (lo, hi), by Newton's method on psi from a guess; (0, s) when it leads elsewhere.
+
+    On a piece of monotone curvature phi has one interior maximum at most, so a zero of psi at which phi has one is *the* maximum,
+    wherever the guess was. A step no longer than `near` is the last one.
+    """
+    s = guess
+    for _ in range(SUMMIT_STEPS):
+        x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
+        dx = x - dpx
+        dy = y - dpy
+        dd = dx * dx + dy * dy
+        ss = x1 * x1 + y1 * y1
+        if dd == 0.0 or ss == 0.0:
+            break
+        along = 2.0 * (dx * x1 + dy * y1)
+        ix = x1 * dd - along * dx
+        iy = y1 * dd - along * dy
+        facing = nx * iy - ny * ix
+        # slope of psi, times ss and dd
+        slope = (x1 * y2 - y1 * x2) * dd + 2.0 * (dy * x1 - dx * y1) * ss
+        if not (facing > 0.0 and slope < 0.0):
+            break
+        share = 1.0 / (facing * slope)
+        step = -small_angle((nx * ix + ny * iy) * slope * share) * (ss * dd) * (facing * share)
+        s += step
+        if not lo < s < hi:
+            break
+        if abs(step) <= near and step * step * ss <= CLEAR * CLEAR * dd:
+            # what the step changes is told well enough by the derivatives
+            dx += step * (x1 + 0.5 * step * x2)
+            dy += step * (y1 + 0.5 * step * y2)
+            return 2.0 * (nx * dx + ny * dy) / (dx * dx + dy * dy), s
+    return 0.0, s
+
+
+@inner
 def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
-    """Sup of phi over [lo, hi] of a piece of monotone curvature, and where."""
+    """Sup of phi over [lo, hi] of a piece of monotone curvature, and where.
+
+    Half of the inner maxima are where Newton's method leads to from the middle; the rest are sought with certainty.
+    """
     x, y, tax, tay, k, speed = evaluate_spiral(si, sf, cp, j, lo, ox, oy)
     ax = x - dpx
     ay = y - dpy
@@ -208,6 +266,9 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     if not (wa < 0.0 or wb < 0.0) or hi <= lo:
         return best, s_best
 
+    phi, s = summit(si, sf, cp, j, lo, hi, 0.5 * (lo + hi), ox, oy, dpx, dpy, nx, ny, SETTLED)
+    if phi > 0.0:
+        return (phi, s) if phi >= best - FLAT * abs(best) else (best, s_best)
     pa = _angle(x0, y0, tax, tay, nx, ny)
     found, a, b = _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, pa, wa, hi, bx, by, tx, ty, wb)
     if not found:

@@ -19,51 +19,13 @@ from mat_core.kernels.curve import evaluate, site_frame
 from mat_core.kernels.disc import origin_end, touch_circular, touch_fan
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import FAN, KIND, SPIRAL, X0, X1, Y0, Y1
-from mat_core.kernels.spiral import FLAT, small_angle
+from mat_core.kernels.spiral import FLAT, summit
 from mat_core.tracing.strip import trace
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-STEPS = 8  # of Newton's method; two or three are enough
 NEAR = 3e-6  # a step this short, in s, is the last one: what the next would change is its square, and phi by the square of that
-CLEAR = 3e-5  # nor may it be longer than this share of the distance from the footpoint, on which psi changes
-
-
-@inner
-def _touch_near(
-    si: Ints, sf: Floats, cp: Floats, j: int, lo: float, hi: float, guess: float, ox: float, oy: float, dpx: float,
-    dpy: float, nx: float, ny: float,
-) -> tuple[float, float]:
-    """(phi, s) of the maximum of phi inside [lo, hi] of a SPIRAL, found from a guess; (0, s) when it is not found."""
-    s = guess
-    for _ in range(STEPS):
-        x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
-        dx = x - dpx
-        dy = y - dpy
-        dd = dx * dx + dy * dy
-        ss = x1 * x1 + y1 * y1
-        if dd == 0.0 or ss == 0.0:
-            break
-        along = 2.0 * (dx * x1 + dy * y1)
-        ix = x1 * dd - along * dx
-        iy = y1 * dd - along * dy
-        facing = nx * iy - ny * ix
-        # slope of psi, times ss and dd
-        slope = (x1 * y2 - y1 * x2) * dd + 2.0 * (dy * x1 - dx * y1) * ss
-        if not (facing > 0.0 and slope < 0.0):
-            break
-        share = 1.0 / (facing * slope)
-        step = -small_angle((nx * ix + ny * iy) * slope * share) * (ss * dd) * (facing * share)
-        s += step
-        if not lo < s < hi:
-            break
-        if abs(step) <= NEAR and step * step * ss <= CLEAR * CLEAR * dd:
-            # what the step changes is told well enough by the derivatives
-            dx += step * (x1 + 0.5 * step * x2)
-            dy += step * (y1 + 0.5 * step * y2)
-            return 2.0 * (nx * dx + ny * dy) / (dx * dx + dy * dy), s
-    return 0.0, s
 
 
 @inner
@@ -86,7 +48,7 @@ def disc_beside(
         dpx, dpy, tx, ty, k, speed = evaluate(si, sf, cp, i, s, ox, oy)
     kind = si[j, KIND]
     if kind == SPIRAL:
-        phi, sj = _touch_near(si, sf, cp, j, lo, hi, guess, ox, oy, dpx, dpy, -ty, tx)
+        phi, sj = summit(si, sf, cp, j, lo, hi, guess, ox, oy, dpx, dpy, -ty, tx, NEAR)
     elif kind == FAN:
         phi, sj = touch_fan(sf, j, lo, hi, ox, oy, dpx, dpy, -ty, tx)
     else:
