@@ -18,7 +18,6 @@ import logging
 import os
 import signal
 import sys
-import tempfile
 import time
 from collections import Counter, deque
 from collections.abc import Iterator
@@ -90,8 +89,8 @@ def batch(asked: argparse.Namespace) -> int:
     try:
         with files.reading(asked.input) as source, _bar(asked, out.kept) as bar:
             chunks = Chunks(source, members, out.kept)
-            with tempfile.TemporaryDirectory(prefix="mat-") as folder:
-                asyncio.run(_run(Pool(settings), told, chunks, settings.workers, Path(folder), out, tally, bar))
+            with files.scratch() as folder:
+                asyncio.run(_run(Pool(settings), told, chunks, settings.workers, folder, out, tally, bar))
     except asyncio.CancelledError:
         raise Failure(TERMINATED, "told to end") from None
     finally:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import gzip
 import os
+import shutil
 import sys
 import tempfile
 import zlib
@@ -19,6 +21,9 @@ PACKED = ".gz"
 BLOCK = 1 << 20
 GZIP_LEVEL = 3
 """Higher levels take several times longer for a tenth less."""
+
+SCRATCH = "mat-batch-"
+"""How the names of folders of temporary files begin."""
 
 _GZIP_WINDOW = 31
 """zlib's parameter for gzip's own frame."""
@@ -87,6 +92,39 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+@contextlib.contextmanager
+def scratch() -> Iterator[Path]:
+    """A folder among the temporary files. What a process left there that was killed is removed by the next one.
+
+    Who uses a folder holds a lock on it, which ends with the process however that ends.
+    """
+    for left in Path(tempfile.gettempdir()).glob(f"{SCRATCH}*"):
+        with contextlib.suppress(OSError), _held(left):
+            shutil.rmtree(left)
+    with contextlib.ExitStack() as stack:
+        folder = None
+        while folder is None:
+            made = Path(tempfile.mkdtemp(prefix=SCRATCH))
+            with contextlib.suppress(OSError):  # another process may find it before it is locked
+                stack.enter_context(_held(made))
+                folder = made if made.is_dir() else None
+        try:
+            yield folder
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _held(folder: Path) -> Iterator[None]:
+    """Hold a folder's lock. Raises OSError where somebody else does, or where it is gone."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 class LinesOut:
