@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.kernels.curve import bezier_frame, evaluate
+from mat_core.kernels.curve import evaluate, pasted_frame
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import ARC, CP0, DEG, FAN, K0, KIND, LINE, RATIONAL, SWEEP, TX0, TY0, X0, X1, Y0, Y1
 
@@ -22,7 +22,7 @@ def _from_centre(cp, c0, deg, rational, s, x, y):
     """C - c with both derivatives of C; these are taken about the nearer end, or a tiny piece would lose their digits."""
     ox = 0.0 if s <= 0.5 else cp[c0 + deg, 0]
     oy = 0.0 if s <= 0.5 else cp[c0 + deg, 1]
-    dx, dy, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, s, ox, oy)
+    dx, dy, x1, y1, x2, y2 = pasted_frame(cp, c0, deg, rational, s, ox, oy)
     return dx + (ox - x), dy + (oy - y), x1, y1, x2, y2
 
 

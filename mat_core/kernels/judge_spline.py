@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from mat_core.kernels.jit import inner
+from mat_core.kernels.jit import pasted
 
 
-@inner
+@pasted
 def spline_value(degree, knot_start, knots, cp_start, cp, axes, g, t, work):
     """The point of spline g at t to work[0, :axes], by de Boor's homogeneous triangle.
 
@@ -34,8 +34,9 @@ def spline_value(degree, knot_start, knots, cp_start, cp, axes, g, t, work):
         for i in range(d + 1 - level):
             left = knots[span - d + level + i]
             right = knots[span + 1 + i]
-            before = (right - t) / (right - left)
-            after = (t - left) / (right - left)
+            share = 1.0 / (right - left)
+            before = (right - t) * share
+            after = (t - left) * share
             for c in range(axes + 1):
                 work[i, c] = before * work[i, c] + after * work[i + 1, c]
     for c in range(axes):
