@@ -133,19 +133,36 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
 
 
 @inner
-def peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
-    """The highest curvature of a Bezier so near its end that there is no room for a piece; the end's, k, if little bends there.
+def _bends_left(cp, c0, deg, rational, end, peak):
+    """Whether a Bezier turns to the left by more than rounding makes it about a peak of its curvature near its end.
 
-    The rounding of coordinates bends a piece of 1e-13 by some 1e-3 rad; what bends by more is a leaf, at the joint.
+    The rounding of coordinates bends a piece of 1e-13 by some 1e-3 rad.
     """
-    most = k
+    far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), float(end), 1.0 - end)[1]
+    first = passing(STRAIGHTNESS, 0.0, cp, c0, deg, rational, peak, peak, far)[0]
+    last = passing(STRAIGHTNESS, 0.0, cp, c0, deg, rational, peak, peak, float(end))[0]
+    return total_turning(cp, c0, deg, rational, min(first, last), max(first, last)) > SLIGHT
+
+
+@inner
+def extreme_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
+    """What a piece takes for the curvature k at an end of its Bezier, where one more extreme has no room for a piece beside it.
+
+    The highest one is a leaf, at the joint, if enough bends there. Else the lowest one: a piece that falls to it and turns back
+    within rounding would be taken for one that rises.
+    """
+    most = least = k
+    peak = float(end)
     for i in range(n_roots):
         if apart(cp, c0, deg, rational, float(end), roots[i]) < SHORT * rounding:
-            most = max(most, curvature_at(cp, c0, deg, rational, roots[i]))
-    if not max(k, 0.0) < most < math.inf:
-        return k
-    far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), float(end), 1.0 - end)[1]
-    return most if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) > SLIGHT else k
+            bend = curvature_at(cp, c0, deg, rational, roots[i])
+            least = min(least, bend)
+            if bend > most:
+                most = bend
+                peak = roots[i]
+    if max(k, 0.0) < most < math.inf and _bends_left(cp, c0, deg, rational, end, peak):
+        return most
+    return least if least < 0.0 else k
 
 
 @inner

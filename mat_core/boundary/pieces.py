@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import is_idle, peak_at_end, tight_cut, total_turning, trimmed
+from mat_core.boundary.bends import extreme_at_end, is_idle, tight_cut, total_turning, trimmed
 from mat_core.boundary.chain import (
     P_CENTRE_X,
     P_CENTRE_Y,
@@ -186,7 +186,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
         for end in range(2):
             row = first if end == 0 else count - 1
             if (start if end == 0 else last) == end:
-                pieces_f[row, P_FRAME + 3 * end + 2] = peak_at_end(
+                pieces_f[row, P_FRAME + 3 * end + 2] = extreme_at_end(
                     cp, c0, deg, rational, end, roots, n_roots, pieces_f[row, P_FRAME + 3 * end + 2], rounding)
     if start > 0.0 or last < 1.0:
         _mended(cp, c0, deg, rational, start, last, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0])
