@@ -17,6 +17,7 @@ HAIRPIN = 0.1  # radians; what turns by less is no such bend,
 CONVEX_HAIRPIN = 1e-3  # but where it would have a leaf of its own
 TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
 SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
+BARELY = 1e-5  # radians; a disc of radius 1/2 reaches over a bend that turns by less by less than 2.5e-11
 DISTANCE, TURN, STRAIGHTNESS = range(3)  # what is asked of a point: how far it and its tangent are from another, less curvature
 HALVINGS = 60
 
@@ -134,14 +135,11 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
 
 @inner
 def _bends_left(cp, c0, deg, rational, end, peak):
-    """Whether a Bezier turns to the left by more than rounding makes it about a peak of its curvature near its end.
-
-    The rounding of coordinates bends a piece of 1e-13 by some 1e-3 rad.
-    """
+    """Whether a Bezier turns to the left by so much, about a peak of its curvature near its end, that discs tell it."""
     far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), float(end), 1.0 - end)[1]
     first = passing(STRAIGHTNESS, 0.0, cp, c0, deg, rational, peak, peak, far)[0]
     last = passing(STRAIGHTNESS, 0.0, cp, c0, deg, rational, peak, peak, float(end))[0]
-    return total_turning(cp, c0, deg, rational, min(first, last), max(first, last)) > SLIGHT
+    return total_turning(cp, c0, deg, rational, min(first, last), max(first, last)) > BARELY
 
 
 @inner
