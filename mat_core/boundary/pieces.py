@@ -11,6 +11,8 @@ import math
 
 from mat_core.boundary.bends import extreme_at_end, is_idle, tight_cut, total_turning, trimmed
 from mat_core.boundary.chain import (
+    CUT_OFF,
+    EXTREME,
     P_CENTRE_X,
     P_CENTRE_Y,
     P_CP0,
@@ -25,8 +27,10 @@ from mat_core.boundary.chain import (
     P_SPAN,
     P_UA,
     P_UB,
+    PLAIN,
     chain,
     go_on,
+    handle,
     longest_of,
 )
 from mat_core.boundary.curvature import circle_of, curvature_changes
@@ -106,6 +110,15 @@ def _mended(cp, deg, pieces_i, longest, x, y):
 
 
 @inner
+def _take_extreme(cp, c0, deg, rational, end, roots, n_roots, pieces_f, row, rounding):
+    """Let a piece at an end of its Bezier have the curvature of `extreme_at_end` there: EXTREME if it is another, else PLAIN."""
+    column = P_FRAME + 3 * end + 2
+    k = pieces_f[row, column]
+    pieces_f[row, column] = extreme_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding)
+    return PLAIN if pieces_f[row, column] == k else EXTREME
+
+
+@inner
 def _gentle_end(cp, c0, deg, rational, begin, end, kind, rounding):
     """How far a piece from `begin` on may go: it turns by little more than a right angle, and by no tight bend at an end."""
     while end - begin > SHORTEST and total_turning(cp, c0, deg, rational, begin, end) > MAX_TURN:
@@ -142,7 +155,7 @@ def _simple_kind(cp, c0, deg, rational, rounding, table):
 @inner
 def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table,
                 work, bounds, roots):
-    """Cut one Bezier into pieces; returns (pieces, rows of cp, whether it begins and ends where they do, way cut off in x, y).
+    """Cut one Bezier into pieces; returns (pieces, rows of cp, what is at its start and end, way cut off in x, y).
 
     pieces = -1 if a buffer is too small. A part of one that is known to be bent is neither straight nor an arc, however short.
     """
@@ -151,7 +164,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
     if kind == SPIRAL:
         n_roots = curvature_changes(cp, c0, deg, rational, cp_used, rounding, table, work, bounds, roots)
         if n_roots < 0:
-            return -1, cp_used, False, False, 0.0, 0.0
+            return -1, cp_used, PLAIN, PLAIN, 0.0, 0.0
     first = count
     gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
     start = trimmed(cp, c0, deg, rational, 0, roots, n_roots, noise)
@@ -171,7 +184,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
         while begin < stop:
             end = stop if kind == LINE else _gentle_end(cp, c0, deg, rational, begin, stop, kind, rounding)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
-                return -1, cp_used, False, False, 0.0, 0.0
+                return -1, cp_used, PLAIN, PLAIN, 0.0, 0.0
             x, y = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
             if kind == SPIRAL:
                 _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
@@ -189,16 +202,16 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
             cp_used += deg + 1
             count += 1
             begin = end
-    if kind == SPIRAL and n_roots > 0:
-        for end in range(2):
-            row = first if end == 0 else count - 1
-            if (start if end == 0 else last) == end:
-                pieces_f[row, P_FRAME + 3 * end + 2] = extreme_at_end(
-                    cp, c0, deg, rational, end, roots, n_roots, pieces_f[row, P_FRAME + 3 * end + 2], rounding)
+    begins = PLAIN if start == 0.0 else CUT_OFF
+    ends = PLAIN if last == 1.0 else CUT_OFF
+    if begins == PLAIN and n_roots > 0:
+        begins = _take_extreme(cp, c0, deg, rational, 0, roots, n_roots, pieces_f, first, rounding)
+    if ends == PLAIN and n_roots > 0:
+        ends = _take_extreme(cp, c0, deg, rational, 1, roots, n_roots, pieces_f, count - 1, rounding)
     off_x = off_y = 0.0
-    if start > 0.0 or last < 1.0:
+    if begins == CUT_OFF or ends == CUT_OFF:
         off_x, off_y = _cut_off(cp, c0, deg, rational, start, last)
-    return count, cp_used, start == 0.0, last == 1.0, off_x, off_y
+    return count, cp_used, begins, ends, off_x, off_y
 
 
 @inner
@@ -211,7 +224,8 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
     Returns (pieces, rows of cp); pieces = -1 if a buffer is too small.
     """
     count = 0
-    ends_whole = False
+    ended = PLAIN
+    left = 0.0
     piece_loop_start[0] = 0
     for loop in range(bez_loop_start.shape[0] - 1):
         for b in range(bez_loop_start[loop], bez_loop_start[loop + 1]):
@@ -247,7 +261,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                     part_skew = after / before * balance(cp, part, deg)
                     cp_used = about
                 part_first = count
-                count, cp_used, from_start, whole, part_x, part_y = _cut_bezier(
+                count, cp_used, begins, ends, part_x, part_y = _cut_bezier(
                     cp, part, deg, bez_i[b, 2], bent, bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew, cp_used, count,
                     pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
                 if count < 0:
@@ -257,8 +271,10 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                 # as many derivatives as go on from the part or the Bezier before
                 smooth = deg if begin > 0.0 else bez_i[b, 5]
                 if smooth > 0 and part_first > piece_loop_start[loop]:
-                    go_on(cp, pieces_i, pieces_f, part_first - 1, part_first, ends_whole and from_start, smooth > 1)
-                ends_whole = whole
+                    right = handle(cp, part, part + 1)
+                    go_on(pieces_i, pieces_f, part_first - 1, part_first, left, right, min(ended, begins), smooth > 1)
+                ended = ends
+                left = handle(cp, part + deg - 1, part + deg)
                 step = 2.0 * (end - begin)
                 begin = end
                 u_begin = u_end
