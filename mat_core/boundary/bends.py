@@ -125,7 +125,7 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
     if turn <= HAIRPIN:
         return float(end)
     # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either
-    if 0.0 < curvature_at(cp, c0, deg, rational, far) * TRIM < 1.0:
+    if 0.0 < curvature_at(cp, c0, deg, rational, far) * TRIM < 1.0 and curvature_at(cp, c0, deg, rational, near) > 0.0:
         far = passing(STRAIGHTNESS, -1.0 / TRIM, cp, c0, deg, rational, float(end), near, far)[1]
     return far
 
