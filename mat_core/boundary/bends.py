@@ -9,14 +9,14 @@ from mat_core.boundary.parts import SHORT, apart, from_nearest
 from mat_core.kernels.jit import inner
 
 IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
-AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
+AT_REST = 1e-12  # radians; if what the curvatures differ by bends it by less than this on the way: tangents are known no better
 TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tighter, is cut off: no disc tells it from the vertex
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one where the curvature
 GENTLE = 1e8  # is less than this at the end
-HAIRPIN = 0.1  # radians; what turns by less is no such bend,
-CONVEX_HAIRPIN = 1e-3  # but where it would have a leaf of its own
+HAIRPIN = 1e-3  # radians; what turns by less is no such bend
 TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
 SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
+BARELY = 1e-5  # radians; a disc of radius 1/2 reaches over a bend that turns by less by less than 2.5e-11
 DISTANCE, TURN, STRAIGHTNESS = range(3)  # what is asked of a point: how far it and its tangent are from another, less curvature
 HALVINGS = 60
 
@@ -54,8 +54,7 @@ def is_idle(cp, c0, deg, rational, a, b, rounding):
         return True
     if length > IDLE:
         return False
-    k = curvature_at(cp, c0, deg, rational, a)
-    return abs(curvature_at(cp, c0, deg, rational, b) - k) <= AT_REST * abs(k) < math.inf
+    return abs(curvature_at(cp, c0, deg, rational, b) - curvature_at(cp, c0, deg, rational, a)) * length <= AT_REST
 
 
 @inner
@@ -120,32 +119,45 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
     if 0 <= beyond < n_roots:
         far = roots[beyond]
     far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), near, far)[1]
-    least = CONVEX_HAIRPIN if curvature_at(cp, c0, deg, rational, far) > 0.0 else HAIRPIN
     turn = total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end)))
     if handle == 0.0:
         turn = max(turn, _turn_at_rest(cp, c0, deg, rational, end, far, noise))
-    if turn <= least:
+    if turn <= HAIRPIN:
         return float(end)
     # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either
-    if 0.0 < curvature_at(cp, c0, deg, rational, far) * TRIM < 1.0:
+    if 0.0 < curvature_at(cp, c0, deg, rational, far) * TRIM < 1.0 and curvature_at(cp, c0, deg, rational, near) > 0.0:
         far = passing(STRAIGHTNESS, -1.0 / TRIM, cp, c0, deg, rational, float(end), near, far)[1]
     return far
 
 
 @inner
-def peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
-    """The highest curvature of a Bezier so near its end that there is no room for a piece; the end's, k, if little bends there.
+def _bends_left(cp, c0, deg, rational, end, peak):
+    """Whether a Bezier turns to the left by so much, about a peak of its curvature near its end, that discs tell it."""
+    far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), float(end), 1.0 - end)[1]
+    first = passing(STRAIGHTNESS, 0.0, cp, c0, deg, rational, peak, peak, far)[0]
+    last = passing(STRAIGHTNESS, 0.0, cp, c0, deg, rational, peak, peak, float(end))[0]
+    return total_turning(cp, c0, deg, rational, min(first, last), max(first, last)) > BARELY
 
-    The rounding of coordinates bends a piece of 1e-13 by some 1e-3 rad; what bends by more is a leaf, at the joint.
+
+@inner
+def extreme_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
+    """What a piece takes for the curvature k at an end of its Bezier, where one more extreme has no room for a piece beside it.
+
+    The highest one is a leaf, at the joint, if enough bends there. Else the lowest one: a piece that falls to it and turns back
+    within rounding would be taken for one that rises.
     """
-    most = k
+    most = least = k
+    peak = float(end)
     for i in range(n_roots):
         if apart(cp, c0, deg, rational, float(end), roots[i]) < SHORT * rounding:
-            most = max(most, curvature_at(cp, c0, deg, rational, roots[i]))
-    if not max(k, 0.0) < most < math.inf:
-        return k
-    far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), float(end), 1.0 - end)[1]
-    return most if total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end))) > SLIGHT else k
+            bend = curvature_at(cp, c0, deg, rational, roots[i])
+            least = min(least, bend)
+            if bend > most:
+                most = bend
+                peak = roots[i]
+    if max(k, 0.0) < most < math.inf and _bends_left(cp, c0, deg, rational, end, peak):
+        return most
+    return least if least < 0.0 else k
 
 
 @inner

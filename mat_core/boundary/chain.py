@@ -11,6 +11,7 @@ from mat_core.kernels.layout import SPIRAL
 P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN, P_GOES_ON = range(7)
 P_UA, P_UB, P_SKEW, P_X, P_Y, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(9)
 P_X_LOW, P_Y_LOW = 14, 15
+CUT_OFF, EXTREME, PLAIN = range(3)  # a bend was cut off at an end of a Bezier; one beside it gave it its curvature; neither
 # P_SKEW: as `layout.SKEW`; P_X, P_Y: start, P_X_LOW, P_Y_LOW: its further digits; P_FRAME: tx, ty, k at both ends
 PI_WIDTH = 7
 PF_WIDTH = 16
@@ -58,13 +59,20 @@ def chain(cp, cp_low, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
 
 
 @inner
-def go_on(cp, pieces_i, pieces_f, before, after, whole, bent_alike):
+def handle(cp, a, b):
+    """Distance of two control points along x and y."""
+    return abs(cp[b, 0] - cp[a, 0]) + abs(cp[b, 1] - cp[a, 1])
+
+
+@inner
+def go_on(pieces_i, pieces_f, before, after, left, right, kind, bent_alike):
     """One tangent where piece `after` goes on in the direction of `before`, at a knot: that of the side which tells it better.
 
-    One curvature, too, where both are `bent_alike`: a side whose own rounding hid that it rises there would have a leaf.
+    That is the one with the longer handle, `left` or `right`, of the Bezier that the tangent was taken from: pieces may be tiny.
+    One curvature, too, where both are PLAIN and `bent_alike`: a side whose rounding hid that it rises there would have a leaf.
 
-    Not `whole`: a bend was cut off there. The knot is a vertex then, unless the bend was a convex one that was cut off at its
-    peak: its leaf is farther from the knot than `TRIM`.
+    CUT_OFF: the knot is a vertex, unless the bend was a convex one that was cut off at its peak: its leaf is farther from the
+    knot than `TRIM`.
     """
     tx = pieces_f[before, P_FRAME + 3]
     ty = pieces_f[before, P_FRAME + 4]
@@ -72,16 +80,12 @@ def go_on(cp, pieces_i, pieces_f, before, after, whole, bent_alike):
     uy = pieces_f[after, P_FRAME + 1]
     spirals = pieces_i[before, P_KIND] == SPIRAL and pieces_i[after, P_KIND] == SPIRAL
     peak = max(pieces_f[before, P_FRAME + 5], pieces_f[after, P_FRAME + 2]) if spirals else 0.0
-    if not whole and not (0.0 < peak * TRIM < AT_PEAK and tx * uy - ty * ux >= 0.0):
+    if kind == CUT_OFF and not (0.0 < peak * TRIM < AT_PEAK and tx * uy - ty * ux >= 0.0):
         return
     pieces_i[after, P_GOES_ON] = 1
     if not spirals or tx * ux + ty * uy < SAME_WAY:  # it stands still at the knot
         return
-    end = pieces_i[before, P_CP0] + pieces_i[before, P_DEG]
-    start = pieces_i[after, P_CP0]
-    left = abs(cp[end, 0] - cp[end - 1, 0]) + abs(cp[end, 1] - cp[end - 1, 1])
-    right = abs(cp[start + 1, 0]) + abs(cp[start + 1, 1])
-    for column in range(3 if whole and bent_alike else 2):
+    for column in range(3 if kind == PLAIN and bent_alike else 2):
         if left >= right:
             pieces_f[after, P_FRAME + column] = pieces_f[before, P_FRAME + 3 + column]
         else:

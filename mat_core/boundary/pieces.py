@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import is_idle, peak_at_end, tight_cut, total_turning, trimmed
+from mat_core.boundary.bends import extreme_at_end, is_idle, tight_cut, total_turning, trimmed
 from mat_core.boundary.chain import (
+    CUT_OFF,
+    EXTREME,
     P_CENTRE_X,
     P_CENTRE_Y,
     P_CP0,
@@ -25,8 +27,10 @@ from mat_core.boundary.chain import (
     P_SPAN,
     P_UA,
     P_UB,
+    PLAIN,
     chain,
     go_on,
+    handle,
     longest_of,
 )
 from mat_core.boundary.curvature import circle_of, curvature_changes
@@ -86,16 +90,32 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
 
 
 @inner
-def _mended(cp, c0, deg, rational, begin, end, target):
-    """Shear the piece in rows target.. by what is cut off of its Bezier outside [begin, end]: its pieces meet the vertices.
-
-    A piece that ended beside its vertex was in two places, seen from either end.
-    """
+def _cut_off(cp, c0, deg, rational, begin, end):
+    """The way along what is cut off of a Bezier outside [begin, end]."""
     ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
     bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, end, cp[c0 + deg, 0], cp[c0 + deg, 1])
+    return ax - bx, ay - by
+
+
+@inner
+def _mended(cp, deg, pieces_i, longest, x, y):
+    """Shear the longest piece of a Bezier by the way along all that is cut off: the pieces meet each other and the vertices.
+
+    A piece that ended beside its vertex was in two places, seen from either end. Those of 1e-12 keep their directions.
+    """
+    target = pieces_i[longest, P_CP0]
     for i in range(1, deg + 1):
-        cp[target + i, 0] += i * (ax - bx) / deg
-        cp[target + i, 1] += i * (ay - by) / deg
+        cp[target + i, 0] += i * x / deg
+        cp[target + i, 1] += i * y / deg
+
+
+@inner
+def _take_extreme(cp, c0, deg, rational, end, roots, n_roots, pieces_f, row, rounding):
+    """Let a piece at an end of its Bezier have the curvature of `extreme_at_end` there: EXTREME if it is another, else PLAIN."""
+    column = P_FRAME + 3 * end + 2
+    k = pieces_f[row, column]
+    pieces_f[row, column] = extreme_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding)
+    return PLAIN if pieces_f[row, column] == k else EXTREME
 
 
 @inner
@@ -135,7 +155,7 @@ def _simple_kind(cp, c0, deg, rational, rounding, table):
 @inner
 def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table,
                 work, bounds, roots):
-    """Cut one Bezier into pieces; returns the new (pieces, rows of cp) and whether it begins and ends where they do.
+    """Cut one Bezier into pieces; returns (pieces, rows of cp, what is at its start and end, way cut off in x, y).
 
     pieces = -1 if a buffer is too small. A part of one that is known to be bent is neither straight nor an arc, however short.
     """
@@ -144,7 +164,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
     if kind == SPIRAL:
         n_roots = curvature_changes(cp, c0, deg, rational, cp_used, rounding, table, work, bounds, roots)
         if n_roots < 0:
-            return -1, cp_used, False, False
+            return -1, cp_used, PLAIN, PLAIN, 0.0, 0.0
     first = count
     gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
     start = trimmed(cp, c0, deg, rational, 0, roots, n_roots, noise)
@@ -164,7 +184,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
         while begin < stop:
             end = stop if kind == LINE else _gentle_end(cp, c0, deg, rational, begin, stop, kind, rounding)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
-                return -1, cp_used, False, False
+                return -1, cp_used, PLAIN, PLAIN, 0.0, 0.0
             x, y = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
             if kind == SPIRAL:
                 _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
@@ -182,15 +202,16 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
             cp_used += deg + 1
             count += 1
             begin = end
-    if kind == SPIRAL and n_roots > 0:
-        for end in range(2):
-            row = first if end == 0 else count - 1
-            if (start if end == 0 else last) == end:
-                pieces_f[row, P_FRAME + 3 * end + 2] = peak_at_end(
-                    cp, c0, deg, rational, end, roots, n_roots, pieces_f[row, P_FRAME + 3 * end + 2], rounding)
-    if start > 0.0 or last < 1.0:
-        _mended(cp, c0, deg, rational, start, last, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0])
-    return count, cp_used, start == 0.0, last == 1.0
+    begins = PLAIN if start == 0.0 else CUT_OFF
+    ends = PLAIN if last == 1.0 else CUT_OFF
+    if begins == PLAIN and n_roots > 0:
+        begins = _take_extreme(cp, c0, deg, rational, 0, roots, n_roots, pieces_f, first, rounding)
+    if ends == PLAIN and n_roots > 0:
+        ends = _take_extreme(cp, c0, deg, rational, 1, roots, n_roots, pieces_f, count - 1, rounding)
+    off_x = off_y = 0.0
+    if begins == CUT_OFF or ends == CUT_OFF:
+        off_x, off_y = _cut_off(cp, c0, deg, rational, start, last)
+    return count, cp_used, begins, ends, off_x, off_y
 
 
 @inner
@@ -203,7 +224,8 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
     Returns (pieces, rows of cp); pieces = -1 if a buffer is too small.
     """
     count = 0
-    ends_whole = False
+    ended = PLAIN
+    left = 0.0
     piece_loop_start[0] = 0
     for loop in range(bez_loop_start.shape[0] - 1):
         for b in range(bez_loop_start[loop], bez_loop_start[loop + 1]):
@@ -215,6 +237,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             first = count
             uneven = deg > 1 and unevenness(cp, c0, deg) > UNEVEN
             bent = uneven and _simple_kind(cp, c0, deg, 1, rounding, table)[0] == SPIRAL
+            off_x = off_y = 0.0
             begin = 0.0
             u_begin = ua
             step = 1.0
@@ -238,19 +261,26 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                     part_skew = after / before * balance(cp, part, deg)
                     cp_used = about
                 part_first = count
-                count, cp_used, from_start, whole = _cut_bezier(
+                count, cp_used, begins, ends, part_x, part_y = _cut_bezier(
                     cp, part, deg, bez_i[b, 2], bent, bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew, cp_used, count,
                     pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
                 if count < 0:
                     return -1, cp_used
+                off_x += part_x
+                off_y += part_y
                 # as many derivatives as go on from the part or the Bezier before
                 smooth = deg if begin > 0.0 else bez_i[b, 5]
                 if smooth > 0 and part_first > piece_loop_start[loop]:
-                    go_on(cp, pieces_i, pieces_f, part_first - 1, part_first, ends_whole and from_start, smooth > 1)
-                ends_whole = whole
+                    right = handle(cp, part, part + 1)
+                    go_on(pieces_i, pieces_f, part_first - 1, part_first, left, right, min(ended, begins), smooth > 1)
+                ended = ends
+                left = handle(cp, part + deg - 1, part + deg)
                 step = 2.0 * (end - begin)
                 begin = end
                 u_begin = u_end
-            chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest_of(cp, deg, pieces_i, first, count), count)
+            longest = longest_of(cp, deg, pieces_i, first, count)
+            if off_x != 0.0 or off_y != 0.0:
+                _mended(cp, deg, pieces_i, longest, off_x, off_y)
+            chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest, count)
         piece_loop_start[loop + 1] = count
     return count, cp_used

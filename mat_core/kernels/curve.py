@@ -231,7 +231,7 @@ def edge_parameter(si, sf, cp, i, s):
             lo = v
         slope = x1 * tx + y1 * ty
         new = v - f / slope if slope > 0.0 else 0.5 * (lo + hi)
-        if not lo < new < hi:
+        if not lo < new < hi and new != v:
             new = 0.5 * (lo + hi)
         if abs(new - v) <= 1e-16:
             break

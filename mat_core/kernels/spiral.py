@@ -187,7 +187,7 @@ def _root(si, sf, cp, j, ox, oy, dpx, dpy, nx, ny, wa, a, b):
         else:
             b = s
         new = s - psi / slope if slope < 0.0 else 0.5 * (a + b)
-        if not a < new < b:
+        if not a < new < b and new != s:
             new = 0.5 * (a + b)
         step = abs(new - s)
         s = new

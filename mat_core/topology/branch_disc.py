@@ -205,7 +205,7 @@ def adopt(si, sf, cp, site, s, lo, hi, w_i, k, left, right, disc, d):
     """Make disc d of arcs 0, left, right one that closes these, if that touches all three as well as coordinates tell.
 
     Three neighbouring edges of a polygon of 100,000 tell the radius of their disc to 1e-8 only: it may lie beyond the centre.
-    Where its feet run together, at a vertex between the three, say, that they are touched tells nothing; nor does a foot on a
+    Where two of its feet run together, at a vertex between them, say, that they are touched tells nothing; nor does a foot on a
     convex vertex, where no disc touches. The contacts become the feet of the disc taken.
     """
     near = STEEP * disc[d, 2]
@@ -223,12 +223,13 @@ def adopt(si, sf, cp, site, s, lo, hi, w_i, k, left, right, disc, d):
         miss = 0.0
         fit = True
         for m in range(3):
+            n = (m + 1) % 3
             foot = f0 if m == 0 else (f1 if m == 1 else f2)
+            other = f0 if n == 0 else (f1 if n == 1 else f2)
             dx, dy, tx, ty, curvature, speed = evaluate(si, sf, cp, site[m], foot, x, y)
             miss = max(miss, abs(math.sqrt(dx * dx + dy * dy) - disc[closing, 2]))
-            if m > 0:
-                wide = apart_sq(si, sf, cp, site[0], f0, site[m], foot)
-                fit &= wide >= AS_WIDE * AS_WIDE * apart_sq(si, sf, cp, site[0], s[0], site[m], s[m])
+            wide = apart_sq(si, sf, cp, site[m], foot, site[n], other)
+            fit &= wide >= AS_WIDE * AS_WIDE * apart_sq(si, sf, cp, site[m], s[m], site[n], s[n])
             if foot <= 0.0 or foot >= 1.0:
                 fit &= si[site[m] if foot <= 0.0 else si[site[m], NEXT], CORNER] != CONVEX_VERTEX
         if miss <= SETTLED and fit:
