@@ -29,6 +29,7 @@ UNSEEN = {
     "points-that-no-parameter-names",
     "a-strip-of-no-length-along-all-of-a-side",
     "a-slight-bend-of-1e-19-beside-a-reflex-vertex",
+    "a-slight-leaf-beside-a-joint",
 }
 
 
