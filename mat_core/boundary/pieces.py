@@ -40,6 +40,7 @@ from mat_core.kernels.layout import ARC, LINE, SPIRAL
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 SHORTEST = 1e-9  # of the parameter; what is shorter is not halved, however much it turns
+SWAY = 1e-4  # of curvature: what an end of a piece is moved by, over its squared length; by more it would sway, and is sheared
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
 
 
@@ -86,16 +87,27 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
 
 
 @inner
-def _mended(cp, c0, deg, rational, begin, end, target):
-    """Shear the piece in rows target.. by what is cut off of its Bezier outside [begin, end]: its pieces meet the vertices.
-
-    A piece that ended beside its vertex was in two places, seen from either end.
-    """
+def _cut_off(cp, c0, deg, rational, begin, end):
+    """(x, y): the way along what is cut off of a Bezier outside [begin, end]."""
     ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
     bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, end, cp[c0 + deg, 0], cp[c0 + deg, 1])
-    for i in range(1, deg + 1):
-        cp[target + i, 0] += i * (ax - bx) / deg
-        cp[target + i, 1] += i * (ay - by) / deg
+    return ax - bx, ay - by
+
+
+@inner
+def _stretch(cp, target, deg, x, y):
+    """Let the piece in rows target.. end by (x, y), what was cut off of its Bezier, farther on: its pieces meet the vertices.
+
+    A piece that ended beside its vertex was in two places, seen from either end. Its tangents stay what they are where it meets
+    others, its curvatures, too, if its degree allows: a kink of 1e-12 there turned the axis away from the leaf of the joint. One
+    so short that it would sway is sheared.
+    """
+    length_sq = cp[target + deg, 0] ** 2 + cp[target + deg, 1] ** 2
+    kept = min(2, (deg - 1) // 2) if abs(x) + abs(y) <= SWAY * length_sq else 0
+    for i in range(kept + 1, deg + 1):
+        share = min((i - kept) / (deg - 2.0 * kept), 1.0)
+        cp[target + i, 0] += share * x
+        cp[target + i, 1] += share * y
 
 
 @inner
@@ -135,7 +147,7 @@ def _simple_kind(cp, c0, deg, rational, rounding, table):
 @inner
 def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table,
                 work, bounds, roots):
-    """Cut one Bezier into pieces; returns the new (pieces, rows of cp) and whether it begins and ends where they do.
+    """Cut one Bezier into pieces; returns the new (pieces, rows of cp) and from where to where it is cut, [0, 1] but for bends.
 
     pieces = -1 if a buffer is too small. A part of one that is known to be bent is neither straight nor an arc, however short.
     """
@@ -144,7 +156,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
     if kind == SPIRAL:
         n_roots = curvature_changes(cp, c0, deg, rational, cp_used, rounding, table, work, bounds, roots)
         if n_roots < 0:
-            return -1, cp_used, False, False
+            return -1, cp_used, 0.0, 1.0
     first = count
     gap = max(ROOT_GAP, SHORT * rounding / extent(cp, c0, deg))
     start = trimmed(cp, c0, deg, rational, 0, roots, n_roots, noise)
@@ -164,7 +176,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
         while begin < stop:
             end = stop if kind == LINE else _gentle_end(cp, c0, deg, rational, begin, stop, kind, rounding)
             if count >= pieces_i.shape[0] or cp_used + deg + 1 > cp.shape[0]:
-                return -1, cp_used, False, False
+                return -1, cp_used, 0.0, 1.0
             x, y = place_part(cp, c0, deg, rational, begin, end, table, cp_used)
             if kind == SPIRAL:
                 _part_frames(cp, c0, deg, rational, begin, end, cp_used, noise, pieces_f, count)
@@ -188,9 +200,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
             if (start if end == 0 else last) == end:
                 pieces_f[row, P_FRAME + 3 * end + 2] = peak_at_end(
                     cp, c0, deg, rational, end, roots, n_roots, pieces_f[row, P_FRAME + 3 * end + 2], rounding)
-    if start > 0.0 or last < 1.0:
-        _mended(cp, c0, deg, rational, start, last, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0])
-    return count, cp_used, start == 0.0, last == 1.0
+    return count, cp_used, start, last
 
 
 @inner
@@ -218,6 +228,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             begin = 0.0
             u_begin = ua
             step = 1.0
+            off_x = off_y = 0.0
             while begin < 1.0:
                 end = min(begin + step, 1.0)
                 part = c0
@@ -238,19 +249,26 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                     part_skew = after / before * balance(cp, part, deg)
                     cp_used = about
                 part_first = count
-                count, cp_used, from_start, whole = _cut_bezier(
+                count, cp_used, cut_from, cut_to = _cut_bezier(
                     cp, part, deg, bez_i[b, 2], bent, bez_i[b, 3], bez_i[b, 4], u_begin, u_end, part_skew, cp_used, count,
                     pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
                 if count < 0:
                     return -1, cp_used
+                if cut_from > 0.0 or cut_to < 1.0:
+                    x, y = _cut_off(cp, part, deg, bez_i[b, 2], cut_from, cut_to)
+                    off_x += x
+                    off_y += y
                 # as many derivatives as go on from the part or the Bezier before
                 smooth = deg if begin > 0.0 else bez_i[b, 5]
                 if smooth > 0 and part_first > piece_loop_start[loop]:
-                    go_on(cp, pieces_i, pieces_f, part_first - 1, part_first, ends_whole and from_start, smooth > 1)
-                ends_whole = whole
+                    go_on(cp, pieces_i, pieces_f, part_first - 1, part_first, ends_whole and cut_from == 0.0, smooth > 1)
+                ends_whole = cut_to == 1.0
                 step = 2.0 * (end - begin)
                 begin = end
                 u_begin = u_end
-            chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest_of(cp, deg, pieces_i, first, count), count)
+            longest = longest_of(cp, deg, pieces_i, first, count)
+            if off_x != 0.0 or off_y != 0.0:
+                _stretch(cp, pieces_i[longest, P_CP0], deg, off_x, off_y)
+            chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest, count)
         piece_loop_start[loop + 1] = count
     return count, cp_used
