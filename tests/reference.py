@@ -504,6 +504,19 @@ class Reference:
         return found
 
     @cached_property
+    def undone(self) -> set[int]:
+        """Cells before a bend that turns left, but by no more than the boundary turns back by in as little again.
+
+        Where such a bend ends nobody can say, nor whether it is a convex vertex.
+        """
+        found = set()
+        for bend in self.bends:
+            k = self.at(np.array([bend.before, bend.after]), np.array([1.0, 0.0]))[2]
+            if 0 < bend.turn <= -k.min() * TINY:
+                found.add(bend.before)
+        return found
+
+    @cached_property
     def flat_corners(self) -> Floats:
         """(n, 2) places where the boundary turns left by too little for a corner, though by more than rounding."""
         flat: Floats = self.boundary.end[self._is_flat]
