@@ -9,7 +9,8 @@ from mat_core.boundary.parts import SHORT, apart, from_nearest
 from mat_core.kernels.jit import inner
 
 IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
-AT_REST = 1e-13  # if the curvatures differ by less than this, relatively
+AT_REST = 1e-13  # if the curvatures differ by less than this, relatively,
+AS_ONE = 1e-17  # or by less than this over the distance: by so little the centre of the one is off that the other tells
 TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tighter, is cut off: no disc tells it from the vertex
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one where the curvature
 GENTLE = 1e8  # is less than this at the end
@@ -55,7 +56,7 @@ def is_idle(cp, c0, deg, rational, a, b, rounding):
     if length > IDLE:
         return False
     k = curvature_at(cp, c0, deg, rational, a)
-    return abs(curvature_at(cp, c0, deg, rational, b) - k) <= AT_REST * abs(k) < math.inf
+    return abs(curvature_at(cp, c0, deg, rational, b) - k) <= max(AT_REST, AS_ONE / length) * abs(k) < math.inf
 
 
 @inner
@@ -136,12 +137,15 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
 def peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding):
     """The highest curvature of a Bezier so near its end that there is no room for a piece; the end's, k, if little bends there.
 
+    Where the Bezier is idle between a maximum and its end, the maximum is at the end, and the end's curvature is that of it.
     The rounding of coordinates bends a piece of 1e-13 by some 1e-3 rad; what bends by more is a leaf, at the joint.
     """
     most = k
     for i in range(n_roots):
         if apart(cp, c0, deg, rational, float(end), roots[i]) < SHORT * rounding:
             most = max(most, curvature_at(cp, c0, deg, rational, roots[i]))
+        elif is_idle(cp, c0, deg, rational, min(roots[i], float(end)), max(roots[i], float(end)), rounding):
+            k = max(k, curvature_at(cp, c0, deg, rational, roots[i]))
     if not max(k, 0.0) < most < math.inf:
         return k
     far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), float(end), 1.0 - end)[1]

@@ -8,11 +8,12 @@ from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import SPIRAL
 
 # columns of the tables of pieces
-P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN, P_GOES_ON = range(7)
+P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN, P_GOES_ON, P_PEAK = range(8)
 P_UA, P_UB, P_SKEW, P_X, P_Y, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(9)
 P_X_LOW, P_Y_LOW = 14, 15
-# P_SKEW: as `layout.SKEW`; P_X, P_Y: start, P_X_LOW, P_Y_LOW: its further digits; P_FRAME: tx, ty, k at both ends
-PI_WIDTH = 7
+# P_SKEW: as `layout.SKEW`; P_X, P_Y: start, P_X_LOW, P_Y_LOW: its further digits; P_FRAME: tx, ty, k at both ends;
+# P_PEAK: at its start (1), its end (2) or both (3) that curvature is the peak's beside it, which has no piece of its own
+PI_WIDTH = 8
 PF_WIDTH = 16
 
 AT_PEAK = 0.99  # of 1 / TRIM, the curvature that a convex bend is cut off at elsewhere
@@ -61,7 +62,8 @@ def chain(cp, cp_low, bez_f, b, end, pieces_i, pieces_f, first, longest, count):
 def go_on(cp, pieces_i, pieces_f, before, after, whole, bent_alike):
     """One tangent where piece `after` goes on in the direction of `before`, at a knot: that of the side which tells it better.
 
-    One curvature, too, where both are `bent_alike`: a side whose own rounding hid that it rises there would have a leaf.
+    One curvature, too, where both are `bent_alike`: a side whose own rounding hid that it rises there would have a leaf. That of
+    a peak so near to the knot that it has no piece of its own is that of both.
 
     Not `whole`: a bend was cut off there. The knot is a vertex then, unless the bend was a convex one that was cut off at its
     peak: its leaf is farther from the knot than `TRIM`.
@@ -81,8 +83,11 @@ def go_on(cp, pieces_i, pieces_f, before, after, whole, bent_alike):
     start = pieces_i[after, P_CP0]
     left = abs(cp[end, 0] - cp[end - 1, 0]) + abs(cp[end, 1] - cp[end - 1, 1])
     right = abs(cp[start + 1, 0]) + abs(cp[start + 1, 1])
+    at_peak = pieces_i[before, P_PEAK] >= 2 or pieces_i[after, P_PEAK] % 2 == 1
     for column in range(3 if whole and bent_alike else 2):
-        if left >= right:
+        if column == 2 and at_peak:
+            pieces_f[after, P_FRAME + 2] = pieces_f[before, P_FRAME + 5] = peak
+        elif left >= right:
             pieces_f[after, P_FRAME + column] = pieces_f[before, P_FRAME + 3 + column]
         else:
             pieces_f[before, P_FRAME + 3 + column] = pieces_f[after, P_FRAME + column]

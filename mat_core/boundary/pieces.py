@@ -20,6 +20,7 @@ from mat_core.boundary.chain import (
     P_FRAME,
     P_GOES_ON,
     P_KIND,
+    P_PEAK,
     P_RATIONAL,
     P_SKEW,
     P_SPAN,
@@ -186,7 +187,7 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
             pieces_i[count, P_RATIONAL] = rational
             pieces_i[count, P_EDGE] = edge
             pieces_i[count, P_SPAN] = span
-            pieces_i[count, P_GOES_ON] = 0
+            pieces_i[count, P_GOES_ON] = pieces_i[count, P_PEAK] = 0
             _pace(pieces_f, count, begin, end, ua, ub, skew)
             pieces_f[count, P_CURVATURE] = k
             pieces_f[count, P_CENTRE_X] = cx - x
@@ -198,8 +199,10 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
         for end in range(2):
             row = first if end == 0 else count - 1
             if (start if end == 0 else last) == end:
-                pieces_f[row, P_FRAME + 3 * end + 2] = peak_at_end(
-                    cp, c0, deg, rational, end, roots, n_roots, pieces_f[row, P_FRAME + 3 * end + 2], rounding)
+                k = pieces_f[row, P_FRAME + 3 * end + 2]
+                pieces_f[row, P_FRAME + 3 * end + 2] = peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding)
+                if pieces_f[row, P_FRAME + 3 * end + 2] > k:
+                    pieces_i[row, P_PEAK] += 1 + end
     return count, cp_used, start, last
 
 
