@@ -44,7 +44,7 @@ class Leaves(NamedTuple):
 
 def count_leaves(reference: Reference) -> Leaves:
     """Leaves of the axis, by corners and curvature."""
-    flat_corners = sum(SMOOTH_TURN < c.turn <= FLAT for c in reference.corners)
+    flat_corners = sum(SMOOTH_TURN < c.turn <= FLAT or c.cell in reference.undone for c in reference.corners)
     vertices = np.array([c.point for c in reference.corners if c.turn > 0]).reshape(-1, 2)
     at_one = sum(bool((np.linalg.norm(vertices[:i] - v, axis=1) < AT_VERTEX).any()) for i, v in enumerate(vertices))
     flat_corners += at_one  # what looks like two vertices may be one bend

@@ -42,6 +42,7 @@ OWN_BLUR = 3e-7  # error of a disc that its own curvature bounds: its partner is
 SMOOTH_TURN = 1e-12  # turning given to a smooth vertex of infinite curvature
 NO_LEG = 1e-18  # the widest floats tell no direction of a leg shorter than this,
 AT_REST = 1e-7  # nor is one that is this short for its cell where that goes
+HALVINGS = 100  # of a cell, until the place beside its end is found
 TINY = 4e-13  # cells shorter than this are part of one bend with their neighbours
 HAIRPIN = 1e-3  # radians; a bend of such cells that turns by less is no vertex
 CORNER = 1e-6  # radians of turning that make a vertex, the default of the option smooth_angle
@@ -502,6 +503,38 @@ class Reference:
                 angle = abs(angle) * (-1.0 if self.inside(ahead[None])[0] else 1.0)
             found.append(Corner(int(i), self.boundary.end[i], angle, _left(t_in), _left(t_out)))
         return found
+
+    @cached_property
+    def undone(self) -> set[int]:
+        """Cells before a vertex or a bend that turns left, but by no more than the boundary turns back by in as little again.
+
+        Where such a bend ends nobody can say, nor whether it is a convex vertex.
+        """
+        found = {c.cell for c in self.corners if 0 < c.turn < 1 and self._turn_about(c) <= 0}
+        for bend in self.bends:
+            k = self.at(np.array([bend.before, bend.after]), np.array([1.0, 0.0]))[2]
+            if 0 < bend.turn <= -k.min() * TINY:
+                found.add(bend.before)
+        return found
+
+    def _turn_about(self, corner: Corner) -> float:
+        """What the boundary turns left by from a place just before a vertex to one as far after it."""
+        n = [self._normal_beside(*place) for place in ((corner.cell, 1.0), (int(self.follow[corner.cell]), 0.0))]
+        turn = math.atan2(n[0][0] * n[1][1] - n[0][1] * n[1][0], float(n[0] @ n[1]))
+        return turn * float(self.side[corner.cell])
+
+    def _normal_beside(self, cell: int, end: float) -> Floats:
+        """The normal of a cell at a `TINY` distance from its end (1) or start (0)."""
+        vertex = self.at(np.array([cell]), np.array([end]))[0][0]
+        near, far = end, 1.0 - end
+        for _ in range(HALVINGS):
+            s = 0.5 * (near + far)
+            point, normal, _ = self.at(np.array([cell]), np.array([s]))
+            if np.linalg.norm(point[0] - vertex) < TINY:
+                near = s
+            else:
+                far = s
+        return np.asarray(normal[0])
 
     @cached_property
     def flat_corners(self) -> Floats:

@@ -97,7 +97,7 @@ def _turn_at_rest(cp, c0, deg, rational, end, s, noise):
 
 @inner
 def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
-    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_mended` brings it back to its vertex.
+    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_stretch` brings it back to its vertex.
 
     Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once. So
     does one that stands still there, or hardly moves, where the weights of the next control points differ by decades.

@@ -44,6 +44,7 @@ from mat_core.kernels.layout import ARC, LINE, SPIRAL
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 SHORTEST = 1e-9  # of the parameter; what is shorter is not halved, however much it turns
+SWAY = 1e-4  # of curvature: what an end of a piece is moved by, over its squared length; by more it would sway, and is sheared
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
 
 
@@ -91,22 +92,26 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
 
 @inner
 def _cut_off(cp, c0, deg, rational, begin, end):
-    """The way along what is cut off of a Bezier outside [begin, end]."""
+    """(x, y): the way along what is cut off of a Bezier outside [begin, end]."""
     ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
     bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, end, cp[c0 + deg, 0], cp[c0 + deg, 1])
     return ax - bx, ay - by
 
 
 @inner
-def _mended(cp, deg, pieces_i, longest, x, y):
-    """Shear the longest piece of a Bezier by the way along all that is cut off: the pieces meet each other and the vertices.
+def _stretch(cp, target, deg, x, y):
+    """Let the piece in rows target.. end by (x, y), what was cut off of its Bezier, farther on: its pieces meet the vertices.
 
-    A piece that ended beside its vertex was in two places, seen from either end. Those of 1e-12 keep their directions.
+    A piece that ended beside its vertex was in two places, seen from either end. Its tangents stay what they are where it meets
+    others, its curvatures, too, if its degree allows: a kink of 1e-12 there turned the axis away from the leaf of the joint. One
+    so short that it would sway is sheared.
     """
-    target = pieces_i[longest, P_CP0]
-    for i in range(1, deg + 1):
-        cp[target + i, 0] += i * x / deg
-        cp[target + i, 1] += i * y / deg
+    length_sq = cp[target + deg, 0] ** 2 + cp[target + deg, 1] ** 2
+    kept = min(2, (deg - 1) // 2) if abs(x) + abs(y) <= SWAY * length_sq else 0
+    for i in range(kept + 1, deg + 1):
+        share = min((i - kept) / (deg - 2.0 * kept), 1.0)
+        cp[target + i, 0] += share * x
+        cp[target + i, 1] += share * y
 
 
 @inner
@@ -241,6 +246,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             begin = 0.0
             u_begin = ua
             step = 1.0
+            off_x = off_y = 0.0
             while begin < 1.0:
                 end = min(begin + step, 1.0)
                 part = c0
@@ -280,7 +286,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                 u_begin = u_end
             longest = longest_of(cp, deg, pieces_i, first, count)
             if off_x != 0.0 or off_y != 0.0:
-                _mended(cp, deg, pieces_i, longest, off_x, off_y)
+                _stretch(cp, pieces_i[longest, P_CP0], deg, off_x, off_y)
             chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest, count)
         piece_loop_start[loop + 1] = count
     return count, cp_used

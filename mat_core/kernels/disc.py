@@ -125,18 +125,19 @@ def touch_circular(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
             r = _onto_circle(gx - mx / k, gy - my / k, nx, ny, k, r)
         cx = gx + r * nx
         cy = gy + r * ny
-        base = 1.0 if from_end else 0.0
         if k == 0.0:
-            s = base + (cx * tx + cy * ty) / sf[j, LEN]
+            way = (cx * tx + cy * ty) / sf[j, LEN]
         else:
             # direction from the arc's centre o = ref + m/k to c, as an angle from ref's own direction -m sign(k)
             sign = 1.0 if k > 0.0 else -1.0
             ux = (cx - mx / k) * sign
             uy = (cy - my / k) * sign
-            s = base + math.atan2(-(mx * uy - my * ux), -(mx * ux + my * uy)) / sf[j, SWEEP]
+            way = math.atan2(-(mx * uy - my * ux), -(mx * ux + my * uy)) / sf[j, SWEEP]
             if (ux * ux + uy * uy) * k * k < CONCENTRIC * CONCENTRIC:
-                s = 0.5 * (lo + hi)
-        if lo <= s <= hi:
+                way = 0.5 * (lo + hi) - (1.0 if from_end else 0.0)
+        s = (1.0 if from_end else 0.0) + way
+        # beyond the end by less than a rounding of s is beyond it all the same: a bend of 1e-18 at a vertex has discs there
+        if lo <= s <= hi and not (from_end and way > 0.0):
             return 1.0 / r, s
     return _ends(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny)
 

@@ -20,7 +20,7 @@ FOOT_STEPS = 40
 POLISH_STEPS = 6
 LEVER = 1e4  # a step this many times what it mends goes where two contacts that nearly are one leave the disc free
 SETTLED = 1e-15  # distances of a centre that agree so well leave nothing to polish
-AS_WIDE = 0.5  # of the distance of the contacts of a disc, which the feet of one that stands for it must keep
+SAME_CONTACT = 1e-3  # of the least distance between the contacts of a disc: no farther off is one of a disc that stands for it
 AROUND = 0.1  # share of the way from a contact to either end of its site within which it is sought again
 SAME_PLACE = 1e-6  # radii between a disc and the one solved for once more
 DEPTH_NOISE = 8e-15  # of contacts, of which only the direction tells one from the other: thirty-two roundings of a coordinate
@@ -205,13 +205,17 @@ def adopt(si, sf, cp, site, s, lo, hi, w_i, k, left, right, disc, d):
     """Make disc d of arcs 0, left, right one that closes these, if that touches all three as well as coordinates tell.
 
     Three neighbouring edges of a polygon of 100,000 tell the radius of their disc to 1e-8 only: it may lie beyond the centre.
-    Where two of its feet run together, at a vertex between them, say, that they are touched tells nothing; nor does a foot on a
-    convex vertex, where no disc touches. The contacts become the feet of the disc taken.
+    That disc is touched where the other one is. Where bends are so slight that no distance tells two discs apart, contacts still
+    do: those of the branch to a leaf stand beside the leaf's point, and of two that run together that they are touched tells
+    nothing. Nor does a foot on a convex vertex, where no disc touches. The contacts become the feet of the disc taken.
     """
     near = STEEP * disc[d, 2]
+    between = apart_sq(si, sf, cp, site[1], s[1], site[2], s[2])
     for m in range(1, 3):
-        if apart_sq(si, sf, cp, site[0], s[0], site[m], s[m]) > near * near:
+        away = apart_sq(si, sf, cp, site[0], s[0], site[m], s[m])
+        if away > near * near:
             return
+        between = min(between, away)
     for choice in range(6):
         arc = 0 if choice < 2 else (left if choice < 4 else right)
         closing = w_i[arc if choice % 2 == 0 else (arc + k - 1) % k, 1]
@@ -223,13 +227,10 @@ def adopt(si, sf, cp, site, s, lo, hi, w_i, k, left, right, disc, d):
         miss = 0.0
         fit = True
         for m in range(3):
-            n = (m + 1) % 3
             foot = f0 if m == 0 else (f1 if m == 1 else f2)
-            other = f0 if n == 0 else (f1 if n == 1 else f2)
             dx, dy, tx, ty, curvature, speed = evaluate(si, sf, cp, site[m], foot, x, y)
             miss = max(miss, abs(math.sqrt(dx * dx + dy * dy) - disc[closing, 2]))
-            wide = apart_sq(si, sf, cp, site[m], foot, site[n], other)
-            fit &= wide >= AS_WIDE * AS_WIDE * apart_sq(si, sf, cp, site[m], s[m], site[n], s[n])
+            fit &= apart_sq(si, sf, cp, site[m], s[m], site[m], foot) <= SAME_CONTACT * SAME_CONTACT * between
             if foot <= 0.0 or foot >= 1.0:
                 fit &= si[site[m] if foot <= 0.0 else si[site[m], NEXT], CORNER] != CONVEX_VERTEX
         if miss <= SETTLED and fit:

@@ -30,6 +30,7 @@ UNSEEN = {
     "a-strip-of-no-length-along-all-of-a-side",
     "a-slight-bend-of-1e-19-beside-a-reflex-vertex",
     "a-bound-far-below-the-tolerance-refuted",
+    "a-slight-leaf-beside-a-joint",
 }
 
 
@@ -52,6 +53,12 @@ def test_a_foot_beside_an_end_is_found_by_the_certificate(tolerance: float) -> N
     domain = next(d for d in REGRESSIONS if d["name"] == "foot-beside-the-end")
     axis = medial_axis(Domain.from_dict(domain), tolerance=tolerance)
     assert axis.certificate["checks"]["curves_on_axis"]["measured"] <= 2e-11
+
+
+@pytest.mark.parametrize("name", ["a-bend-that-is-cut-off-leaves-no-kink", "a-bend-that-is-cut-off-leaves-no-kink-in-a-cubic"])
+def test_curves_reach_the_leaf_beside_a_bend_that_is_cut_off(name: str) -> None:
+    domain = next(d for d in REGRESSIONS if d["name"] == name)
+    assert medial_axis(Domain.from_dict(domain), tolerance=1e-12).certificate["passed"]
 
 
 def test_a_disc_touches_the_side_of_a_flat_corner_that_it_reaches_first() -> None:
