@@ -13,7 +13,7 @@ FLAT = 1e-12  # relative difference of two values of phi that does not make an e
 SUMMIT_STEPS = 8  # of Newton's method; from a guess nearby two or three are enough
 SETTLED = 1e-8  # a step this short, in s, leaves an error of rounding
 CLEAR = 3e-5  # nor may it be longer than this share of the distance from the footpoint, on which psi changes
-AMPLE = 4.0  # D may turn forth and back, and T, where curvature changes its sign
+AMPLE = 2.0  # turns are taken for so much more than they are
 SMALL = 0.5  # tan(psi) below which a few terms tell psi
 
 
@@ -104,10 +104,21 @@ def _turns(si, sf, cp, j, ox, oy, dpx, dpy, a, ax, ay, tax, tay, b, bx, by, tbx,
 
 
 @inner
-def _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, pa, wa, hi, bx, by, tbx, tby, wb):
+def _one_way(ax, ay, tax, tay, ka, bx, by, tbx, tby, kb):
+    """Whether T and D turn one way only from a to b: curvature and the side of the tangent that p is on keep their signs.
+
+    That side could change twice where p comes nearest on the way, or is farthest; it does neither where D keeps going with T,
+    or against it.
+    """
+    aside = (ax * tay - ay * tax) * (bx * tby - by * tbx)
+    return ka * kb >= 0.0 and aside > 0.0 and (ax * tax + ay * tay) * (bx * tbx + by * tby) > 0.0
+
+
+@inner
+def _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, ka, pa, wa, hi, bx, by, tbx, tby, kb, wb):
     """(found, a, b): where psi, pa at lo and counted from there on, falls through a multiple of a full turn, `goal`, and W < 0.
 
-    D and the tangent at lo and hi are given, and W there.
+    D, the tangent and the curvature at lo and hi are given, and W there.
     """
     tangent, sight = _turns(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, hi, bx, by, tbx, tby)
     pb = pa + tangent - 2.0 * sight
@@ -127,10 +138,11 @@ def _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, pa, wa, hi, 
     for _ in range(60):
         if found and above < 1.5 and below > -1.5:
             break
-        # from here to its extremum psi does not turn by more than T and D do from a to b
-        out_of_reach = AMPLE * (abs(tangent) + 2.0 * abs(sight))
-        if not found and (min(above, below) > out_of_reach if wa < 0.0 else max(above, below) < -out_of_reach):
-            break
+        # from a to its extremum psi changes by no more than T and D turn from a to b
+        change = AMPLE * (abs(tangent) + 2.0 * abs(sight))
+        if not found and (min(above, below) > change if wa < 0.0 else max(above, below) < -change):
+            if _one_way(ax, ay, tax, tay, ka, bx, by, tbx, tby, kb):
+                break
         m = 0.5 * (a + b)
         if not a < m < b:
             break
@@ -152,11 +164,17 @@ def _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, pa, wa, hi, 
             ay = dy
             tax = tx
             tay = ty
+            ka = k
             tangent -= first_tangent
             sight -= first_sight
         else:
             b = m
             below = value
+            bx = dx
+            by = dy
+            tbx = tx
+            tby = ty
+            kb = k
             tangent = first_tangent
             sight = first_sight
     return found, a, b
@@ -239,15 +257,15 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
 
     Half of the inner maxima are where Newton's method leads to from the middle; the rest are sought with certainty.
     """
-    x, y, tax, tay, k, speed = evaluate_spiral(si, sf, cp, j, lo, ox, oy)
+    x, y, tax, tay, ka, speed = evaluate_spiral(si, sf, cp, j, lo, ox, oy)
     ax = x - dpx
     ay = y - dpy
-    wa, da = _turning(ax, ay, tax, tay, k)
+    wa, da = _turning(ax, ay, tax, tay, ka)
     best = through_point(ax, ay, nx, ny)
-    x, y, tx, ty, k, speed = evaluate_spiral(si, sf, cp, j, hi, ox, oy)
+    x, y, tx, ty, kb, speed = evaluate_spiral(si, sf, cp, j, hi, ox, oy)
     bx = x - dpx
     by = y - dpy
-    wb, db = _turning(bx, by, tx, ty, k)
+    wb, db = _turning(bx, by, tx, ty, kb)
     at_hi = through_point(bx, by, nx, ny)
     s_best = lo
     if at_hi > best:
@@ -270,7 +288,7 @@ def touch_spiral(si, sf, cp, j, lo, hi, ox, oy, dpx, dpy, nx, ny):
     if phi > 0.0:
         return (phi, s) if phi >= best - FLAT * abs(best) else (best, s_best)
     pa = _angle(x0, y0, tax, tay, nx, ny)
-    found, a, b = _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, pa, wa, hi, bx, by, tx, ty, wb)
+    found, a, b = _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, ka, pa, wa, hi, bx, by, tx, ty, kb, wb)
     if not found:
         return best, s_best
     s = _root(si, sf, cp, j, ox, oy, dpx, dpy, nx, ny, wa, a, b)
