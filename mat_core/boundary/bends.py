@@ -8,7 +8,7 @@ from mat_core.boundary.joints import end_frame
 from mat_core.boundary.parts import SHORT, apart, from_nearest
 from mat_core.kernels.jit import inner
 
-IDLE = 1e-9  # where a maximum of the curvature is this near to a joint, both are one leaf,
+IDLE = 1e-6  # where a maximum of the curvature is this near to a joint, both are one leaf,
 AT_REST = 1e-12  # radians; if what the curvatures differ by bends it by less than this on the way: tangents are known no better
 TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tighter, is cut off: no disc tells it from the vertex
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one where the curvature

@@ -47,6 +47,7 @@ BESIDE = 1e-4  # radii between a contact and an end of a site, within which the 
 CLEARLY = 1e-6  # relative difference of curvatures seen across a nearly smooth corner that is no rounding
 CHAIN = 4  # pieces between a joint and a contact that is near it
 STRAIGHT = 1e-14  # radians; a joint that turns by less has one normal
+TANGENT = 1e-15  # radians; what a unit tangent is known to, some roundings
 SHARP = 1e16  # of 1 - k r: where a side curves away as fast as this, its foot lies at the joint
 K_LOW = 1.9  # no disc in a domain of size at most 1 has a radius over 1/2
 
@@ -140,7 +141,7 @@ def _phi_noise(si, sf, cp, j, winner, s):
     dx, dy, tx, ty, k, speed = evaluate(si, sf, cp, winner, s, sf[j, X0], sf[j, Y0])
     distance_sq = dx * dx + dy * dy
     if _chained(si, j, winner):
-        return 2.0 * COORDINATE / math.sqrt(distance_sq)
+        return 2.0 * TANGENT / math.sqrt(distance_sq)
     return 2.0 * COORDINATE / distance_sq
 
 
