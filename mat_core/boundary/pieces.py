@@ -203,6 +203,9 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
                 pieces_f[row, P_FRAME + 3 * end + 2] = peak_at_end(cp, c0, deg, rational, end, roots, n_roots, k, rounding)
                 if pieces_f[row, P_FRAME + 3 * end + 2] > k:
                     pieces_i[row, P_PEAK] += 1 + end
+    if start > 0.0 or last < 1.0:
+        x, y = _cut_off(cp, c0, deg, rational, start, last)
+        _stretch(cp, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0], deg, x, y)
     return count, cp_used, start, last
 
 
@@ -231,7 +234,6 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             begin = 0.0
             u_begin = ua
             step = 1.0
-            off_x = off_y = 0.0
             while begin < 1.0:
                 end = min(begin + step, 1.0)
                 part = c0
@@ -257,10 +259,6 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                     pieces_i, pieces_f, rounding, noise, table, work, bounds, roots)
                 if count < 0:
                     return -1, cp_used
-                if cut_from > 0.0 or cut_to < 1.0:
-                    x, y = _cut_off(cp, part, deg, bez_i[b, 2], cut_from, cut_to)
-                    off_x += x
-                    off_y += y
                 # as many derivatives as go on from the part or the Bezier before
                 smooth = deg if begin > 0.0 else bez_i[b, 5]
                 if smooth > 0 and part_first > piece_loop_start[loop]:
@@ -269,9 +267,6 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                 step = 2.0 * (end - begin)
                 begin = end
                 u_begin = u_end
-            longest = longest_of(cp, deg, pieces_i, first, count)
-            if off_x != 0.0 or off_y != 0.0:
-                _stretch(cp, pieces_i[longest, P_CP0], deg, off_x, off_y)
-            chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest, count)
+            chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest_of(cp, deg, pieces_i, first, count), count)
         piece_loop_start[loop + 1] = count
     return count, cp_used
