@@ -44,6 +44,7 @@ from mat_core.kernels.layout import ARC, LINE, SPIRAL
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 SHORTEST = 1e-9  # of the parameter; what is shorter is not halved, however much it turns
+LEAN = 1e-3  # radians; a piece that would lean by more is too short to make up for what was cut off
 SWAY = 1e-4  # of curvature: what an end of a piece is moved by, over its squared length; by more it would sway, and is sheared
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
 
@@ -99,19 +100,23 @@ def _cut_off(cp, c0, deg, rational, begin, end):
 
 
 @inner
-def _stretch(cp, target, deg, x, y):
+def _stretch(cp, target, deg, x, y, most):
     """Let the piece in rows target.. end by (x, y), what was cut off of its Bezier, farther on: its pieces meet the vertices.
 
     A piece that ended beside its vertex was in two places, seen from either end. Its tangents stay what they are where it meets
     others, its curvatures, too, if its degree allows: a kink of 1e-12 there turned the axis away from the leaf of the joint. One
-    so short that it would sway is sheared.
+    so short that it would sway is sheared; False if it would lean by more than `most`, in radians, and stays as it is.
     """
-    length_sq = cp[target + deg, 0] ** 2 + cp[target + deg, 1] ** 2
-    kept = min(2, (deg - 1) // 2) if abs(x) + abs(y) <= SWAY * length_sq else 0
+    length = math.sqrt(cp[target + deg, 0] ** 2 + cp[target + deg, 1] ** 2)
+    way = abs(x) + abs(y)
+    if way > most * length:
+        return False
+    kept = min(2, (deg - 1) // 2) if way <= SWAY * length * length else 0
     for i in range(kept + 1, deg + 1):
         share = min((i - kept) / (deg - 2.0 * kept), 1.0)
         cp[target + i, 0] += share * x
         cp[target + i, 1] += share * y
+    return True
 
 
 @inner
@@ -160,7 +165,9 @@ def _simple_kind(cp, c0, deg, rational, rounding, table):
 @inner
 def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, count, pieces_i, pieces_f, rounding, noise, table,
                 work, bounds, roots):
-    """Cut one Bezier into pieces; returns (pieces, rows of cp, what is at its start and end, way cut off in x, y).
+    """Cut one Bezier into pieces; returns (pieces, rows of cp, what is at its start and end, way in x, y).
+
+    The way is that along what was cut off, where no piece is long enough to make up for it.
 
     pieces = -1 if a buffer is too small. A part of one that is known to be bent is neither straight nor an arc, however short.
     """
@@ -216,6 +223,8 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
     off_x = off_y = 0.0
     if begins == CUT_OFF or ends == CUT_OFF:
         off_x, off_y = _cut_off(cp, c0, deg, rational, start, last)
+        if _stretch(cp, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0], deg, off_x, off_y, LEAN):
+            off_x = off_y = 0.0
     return count, cp_used, begins, ends, off_x, off_y
 
 
@@ -246,7 +255,6 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
             begin = 0.0
             u_begin = ua
             step = 1.0
-            off_x = off_y = 0.0
             while begin < 1.0:
                 end = min(begin + step, 1.0)
                 part = c0
@@ -286,7 +294,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                 u_begin = u_end
             longest = longest_of(cp, deg, pieces_i, first, count)
             if off_x != 0.0 or off_y != 0.0:
-                _stretch(cp, pieces_i[longest, P_CP0], deg, off_x, off_y)
+                _stretch(cp, pieces_i[longest, P_CP0], deg, off_x, off_y, math.inf)
             chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest, count)
         piece_loop_start[loop + 1] = count
     return count, cp_used
