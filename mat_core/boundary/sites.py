@@ -8,7 +8,7 @@ sites.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from mat_core.boundary.edges import cut_edges
 from mat_core.boundary.filling import fill_sites
 from mat_core.kernels.bernstein import MAX_DEPTH
 from mat_core.kernels.bezier import CLOSE, count_beziers
-from mat_core.kernels.layout import SF_WIDTH, SI_WIDTH
+from mat_core.kernels.layout import SF_WIDTH, SI_WIDTH, SiteInts
 from mat_core.memory import maker
 from mat_core.model.domain import Domain
 from mat_core.tolerances import Tolerances
@@ -36,7 +36,7 @@ class SiteTable(NamedTuple):
     smooth_angle: joints that turn by no more, radians, were taken as smooth.
     """
 
-    si: NDArray[Any]
+    si: SiteInts
     sf: NDArray[np.float64]
     cp: NDArray[np.float64]
     loop_start: NDArray[np.int64]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.kernels.jit import inner
-from mat_core.kernels.layout import DEG, NEXT, PREV
+from mat_core.kernels.layout import DEG, NEXT, PREV, SiteInts
 from mat_core.model.edges import HIGHEST_DEGREE
 
 Ints = NDArray[np.int64]
@@ -26,7 +26,7 @@ BRANCH, VERTEX, CURVATURE, ARC_CENTRE, POINT = range(5)
 class Boundary(NamedTuple):
     """The sites, in normalised coordinates: columns of si and sf in `mat_core.kernels.layout`; loop_start (L + 1,)."""
 
-    si: Ints
+    si: SiteInts
     sf: Floats
     cp: Floats
     loop_start: Ints

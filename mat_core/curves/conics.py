@@ -36,7 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.kernels.jit import inner
-from mat_core.kernels.layout import ARC, FAN, K0, KIND, LINE, SPIRAL, SWEEP, TX0, TY0, X0, Y0
+from mat_core.kernels.layout import ARC, FAN, K0, KIND, LINE, SPIRAL, SWEEP, TX0, TY0, X0, Y0, SiteInts
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -54,7 +54,7 @@ FLAT_APEX = 1e-3  # least slope dQ/dr used to turn a residual into a length; onl
 
 
 @inner
-def side_quadric(si: Ints, sf: Floats, i: int) -> tuple[float, float, float, float, float, float]:
+def side_quadric(si: SiteInts, sf: Floats, i: int) -> tuple[float, float, float, float, float, float]:
     """(px, py, nx, ny, kappa, sigma) of a LINE, ARC or FAN."""
     px = sf[i, X0]
     py = sf[i, Y0]
@@ -72,7 +72,7 @@ def side_quadric(si: Ints, sf: Floats, i: int) -> tuple[float, float, float, flo
 
 
 @inner
-def swing(si: Ints, sf: Floats, i: int) -> float:
+def swing(si: SiteInts, sf: Floats, i: int) -> float:
     """How far the normal turns along a whole LINE, ARC or FAN, left positive."""
     if si[i, KIND] == LINE:
         return 0.0
@@ -80,13 +80,13 @@ def swing(si: Ints, sf: Floats, i: int) -> float:
 
 
 @inner
-def is_conic(si: Ints, a: int, b: int) -> bool:
+def is_conic(si: SiteInts, a: int, b: int) -> bool:
     """Whether the axis between two sites has a closed form."""
     return bool(si[a, KIND] != SPIRAL and si[b, KIND] != SPIRAL)
 
 
 @inner
-def conic_kind(si: Ints, sf: Floats, a: int, b: int) -> int:
+def conic_kind(si: SiteInts, sf: Floats, a: int, b: int) -> int:
     """What the centres run on, from the sides: focal radii of constant sum (ellipse) or difference (hyperbola)."""
     if si[a, KIND] == LINE and si[b, KIND] == LINE:
         return K_LINE
@@ -132,7 +132,7 @@ def _polar(
 
 @inner
 def _sharpen(
-    si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, x: float, y: float, r: float
+    si: SiteInts, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, x: float, y: float, r: float
 ) -> tuple[float, float, float, float]:
     """V = (x, y, r) put right as the pole of the chord, and the middle weight; 0 when there is none."""
     px, py, nx, ny, kappa, sigma = side_quadric(si, sf, a)
@@ -166,7 +166,7 @@ def _sharpen(
 
 @inner
 def _middle(
-    si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats
+    si: SiteInts, sf: Floats, a: int, b: int, p0: Floats, p2: Floats
 ) -> tuple[float, float, float, float, float]:
     """(e, w, <d, d>) of the quadratic from disc p0 to disc p2 between sites a and b; e = 0 and w = 1 where there is none."""
     px, py, nx, ny, kappa, sigma = side_quadric(si, sf, a)
@@ -211,7 +211,7 @@ def _middle(
 
 @inner
 def _measured(
-    si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, ex: float, ey: float, er: float, weight: float
+    si: SiteInts, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, ex: float, ey: float, er: float, weight: float
 ) -> float:
     """How far the quadratic with the middle control point M + e is from touching either site, at most, where it is looked at."""
     px, py, nx, ny, kappa, sigma = side_quadric(si, sf, a)
@@ -241,7 +241,7 @@ def _measured(
 
 
 @inner
-def conic(si: Ints, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floats, row: int) -> float:
+def conic(si: SiteInts, sf: Floats, a: int, b: int, p0: Floats, p2: Floats, cp: Floats, row: int) -> float:
     """Write the quadratic from disc p0 to disc p2 to rows row .. row + 2 of `cp` (x, y, r, w); its measured error.
 
     Assumes, does not check: not both sides are lines, and the curve turns by less than MAX_TURN.

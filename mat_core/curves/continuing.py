@@ -18,7 +18,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mat_core.kernels.jit import inner
-from mat_core.kernels.layout import ARC, CP0, DEG, EDGE, K0, KIND, LEN, LINE, LOOP, RATIONAL, SPAN, SPIRAL, TX0, TX1, TY0, TY1
+from mat_core.kernels.layout import (
+    ARC,
+    CP0,
+    DEG,
+    EDGE,
+    K0,
+    KIND,
+    LEN,
+    LINE,
+    LOOP,
+    RATIONAL,
+    SPAN,
+    SPIRAL,
+    TX0,
+    TX1,
+    TY0,
+    TY1,
+    SiteInts,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -28,7 +46,7 @@ LONGEST = 4.0  # lambda at most: farther out rounding says nothing
 
 
 @inner
-def goes_on(si: Ints, sf: Floats, cp: Floats, i: int, j: int, work: Floats) -> bool:
+def goes_on(si: SiteInts, sf: Floats, cp: Floats, i: int, j: int, work: Floats) -> bool:
     """Whether site j, which begins where site i ends, is the same site or goes on along the same curve.
 
     work: 2 n + 2 rows of 2 for the highest degree n.
@@ -52,7 +70,7 @@ def goes_on(si: Ints, sf: Floats, cp: Floats, i: int, j: int, work: Floats) -> b
 
 
 @inner
-def _one_bezier(si: Ints, sf: Floats, cp: Floats, i: int, j: int, work: Floats) -> bool:
+def _one_bezier(si: SiteInts, sf: Floats, cp: Floats, i: int, j: int, work: Floats) -> bool:
     """The same for two Beziers."""
     n = si[i, DEG]
     if si[j, DEG] != n or si[i, RATIONAL] or si[j, RATIONAL]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
+from mat_core.kernels.layout import SiteInts
 from mat_core.memory import maker
 from mat_core.tracing.partner import disc_beside
 
@@ -51,7 +52,7 @@ SPARE_MISS = MAX_DEGREE  # row of misses that is no check's
 class Track(NamedTuple):
     """What curves are led along: sites, and strips in order and direction of travel with the way through each."""
 
-    si: Ints
+    si: SiteInts
     sf: Floats
     cp: Floats
     disc: Floats  # (D, 3) x, y, r
@@ -78,7 +79,7 @@ class Scratch(NamedTuple):
     corners: Floats  # (2, 3) both ends of a conic
 
 
-def new_track(si: Ints, sf: Floats, cp: Floats, disc: Floats, strips: int) -> Track:
+def new_track(si: SiteInts, sf: Floats, cp: Floats, disc: Floats, strips: int) -> Track:
     """A track for so many strips, yet to be laid (`fit.travel`)."""
     make = maker(strips)
     return Track(

@@ -45,7 +45,7 @@ from mat_core.kernels.layout import (
 )
 
 Floats = NDArray  # (n, k) float64
-Ints = NDArray  # (n, k) int64
+Ints = NDArray  # (n, k) int32
 
 
 @jit

@@ -7,6 +7,12 @@ the floats, `cp` the control points (x, y, weight) of its Bezier piece, x and y 
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
+SiteInts = NDArray[np.int32]
+"""si: (n, SI_WIDTH)."""
+
 LINE, ARC, SPIRAL, FAN = 0, 1, 2, 3
 
 # si: integers of a site

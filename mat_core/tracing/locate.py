@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mat_core.kernels.curve import edge_parameter, evaluate
 from mat_core.kernels.jit import inner, jit
-from mat_core.kernels.layout import ARC, K0, KIND, LEN, LINE, SPIRAL, SWEEP, TX0, TY0, X0, Y0
+from mat_core.kernels.layout import ARC, K0, KIND, LEN, LINE, SPIRAL, SWEEP, TX0, TY0, X0, Y0, SiteInts
 from mat_core.kernels.nurbs import spline_point
 from mat_core.tracing.strip import trace
 
@@ -28,7 +28,7 @@ NEAR = 1e-15  # the plane is met when the point is this near to it (normalised)
 
 
 @inner
-def foot_on(si: Ints, sf: Floats, i: int, lo: float, hi: float, x: float, y: float) -> float:
+def foot_on(si: SiteInts, sf: Floats, i: int, lo: float, hi: float, x: float, y: float) -> float:
     """Parameter of the point of a LINE, ARC or FAN nearest to the centre (x, y), kept in [lo, hi]."""
     gx = x - sf[i, X0]
     gy = y - sf[i, Y0]
@@ -60,7 +60,7 @@ def foot_on(si: Ints, sf: Floats, i: int, lo: float, hi: float, x: float, y: flo
 
 @inner
 def _plane_root(
-    si: Ints, sf: Floats, cp: Floats, i: int, s0: float, s1: float, j: int, lo: float, hi: float, x: float, y: float,
+    si: SiteInts, sf: Floats, cp: Floats, i: int, s0: float, s1: float, j: int, lo: float, hi: float, x: float, y: float,
     r: float, share: float, ends: Floats, dx: float, dy: float, dr: float, out: Floats,
 ) -> None:
     """`out` = x, y, r, s, s_j of the axis point between s0 and s1 on side i that lies in a plane square to (dx, dy, dr).
@@ -111,7 +111,7 @@ def _plane_root(
 
 @inner
 def _on_fit(
-    si: Ints, sf: Floats, cp: Floats, a: int, b: int, strip_s: Floats, strip: int, side: int, s0: float, s1: float,
+    si: SiteInts, sf: Floats, cp: Floats, a: int, b: int, strip_s: Floats, strip: int, side: int, s0: float, s1: float,
     share: float, degree: int, knots: Floats, k0: int, k1: int, curve: Floats, c0: int, part_f: Floats, part: int,
     point: Floats, work: Floats, ends: Floats, found: Floats,
 ) -> None:
@@ -160,7 +160,7 @@ def _part_at(part_f: Floats, first: int, last: int, t: float) -> int:
 
 @inner
 def _feet_beside(
-    si: Ints, sf: Floats, cp: Floats, a: int, b: int, strip_s: Floats, strip: int, side: int, t: float, degree: int,
+    si: SiteInts, sf: Floats, cp: Floats, a: int, b: int, strip_s: Floats, strip: int, side: int, t: float, degree: int,
     knots: Floats, k0: int, k1: int, curve: Floats, c0: int, part_f: Floats, part: int, point: Floats, work: Floats,
     ends: Floats, found: Floats,
 ) -> tuple[float, float]:
@@ -189,7 +189,7 @@ def _feet_beside(
 
 @jit
 def locate(
-    si: Ints, sf: Floats, cp: Floats, strip_i: Ints, strip_s: Floats, degree: Ints, knot_start: Ints, knots: Floats,
+    si: SiteInts, sf: Floats, cp: Floats, strip_i: Ints, strip_s: Floats, degree: Ints, knot_start: Ints, knots: Floats,
     cp_start: Ints, curve: Floats, max_error: Floats, part_start: Ints, part_i: Ints, part_f: Floats, segment: Ints,
     t: Floats, work: Floats, point: Floats, ends: Floats, found: Floats, located: Floats, sites: Ints,
 ) -> None:
@@ -231,7 +231,7 @@ def locate(
 
 
 @jit
-def feet(si: Ints, sf: Floats, cp: Floats, site: Ints, s: Floats, out: Floats) -> None:
+def feet(si: SiteInts, sf: Floats, cp: Floats, site: Ints, s: Floats, out: Floats) -> None:
     """Rows x, y, u, angle of `out` (n, 4): point, input parameter and direction of the normal at s[n] on site[n]."""
     for n in range(s.shape[0]):
         x, y, tx, ty, k, speed = evaluate(si, sf, cp, site[n], s[n], 0.0, 0.0)

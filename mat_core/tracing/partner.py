@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mat_core.kernels.curve import evaluate, site_frame
 from mat_core.kernels.disc import origin_end, touch_circular, touch_fan
 from mat_core.kernels.jit import inner
-from mat_core.kernels.layout import FAN, KIND, SPIRAL, X0, X1, Y0, Y1
+from mat_core.kernels.layout import FAN, KIND, SPIRAL, X0, X1, Y0, Y1, SiteInts
 from mat_core.kernels.spiral import FLAT, summit
 from mat_core.tracing.strip import trace
 
@@ -30,7 +30,7 @@ NEAR = 3e-6  # a step this short, in s, is the last one: what the next would cha
 
 @inner
 def disc_beside(
-    si: Ints, sf: Floats, cp: Floats, i: int, s: float, j: int, lo: float, hi: float, guess: float, ends: Floats, row: int
+    si: SiteInts, sf: Floats, cp: Floats, i: int, s: float, j: int, lo: float, hi: float, guess: float, ends: Floats, row: int
 ) -> tuple[float, float, float, float]:
     """(x, y, r, s_j): the axis point with footpoint s on site i and its partner, near `guess`, in [lo, hi] of site j.
 
