@@ -43,7 +43,7 @@ from mat_core.kernels.layout import (
 from mat_core.kernels.sorting import sort
 
 NEARLY_SMOOTH = 0.1  # a joint without a vertex turns by less than this
-LONGER = 1.5  # times its chord: no curve is that turns by 1.65 at most, as pieces do (`boundary.pieces`): 1 / cos(1.65 / 2) = 1.47
+LONGER = 1.5  # times its chord: no curve is that turns by 1.65 or less, as pieces do (`boundary.pieces`): 1 / cos(0.825) = 1.47
 
 
 @inner
