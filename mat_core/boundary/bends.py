@@ -11,6 +11,7 @@ from mat_core.kernels.jit import inner
 IDLE = 1e-6  # where a maximum of the curvature is this near to a joint, both are one leaf,
 AT_REST = 1e-12  # radians; if what the curvatures differ by bends it by less than this on the way: tangents are known no better
 TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tighter, is cut off: no disc tells it from the vertex
+UNSEEN = 5e-4  # radians; a triangle with the base 2 TRIM and half of this at both ends is less than 1e-16 high
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one where the curvature
 GENTLE = 1e8  # is less than this at the end
 HAIRPIN = 1e-3  # radians; what turns by less is no such bend
@@ -96,18 +97,25 @@ def _turn_at_rest(cp, c0, deg, rational, end, s, noise):
 
 
 @inner
-def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
-    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_stretch` brings it back to its vertex.
-
-    Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once. So
-    does one that stands still there, or hardly moves, where the weights of the next control points differ by decades.
-    """
+def _tip(cp, c0, deg, rational, end, roots, n_roots):
+    """The last extreme of the curvature, from an end on, that is within `TRIM` of it; -1 if none is."""
     tip = -1
     for step in range(n_roots):
         i = step if end == 0 else n_roots - 1 - step
         if apart(cp, c0, deg, rational, float(end), roots[i]) >= TRIM:
             break
         tip = i
+    return tip
+
+
+@inner
+def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
+    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_stretch` brings it back to its vertex.
+
+    Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once. So
+    does one that stands still there, or hardly moves, where the weights of the next control points differ by decades.
+    """
+    tip = _tip(cp, c0, deg, rational, end, roots, n_roots)
     p = c0 + deg * end
     q = p + (1 - 2 * end)
     handle = math.sqrt((cp[q, 0] - cp[p, 0]) ** 2 + (cp[q, 1] - cp[p, 1]) ** 2)
@@ -124,10 +132,22 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
         turn = max(turn, _turn_at_rest(cp, c0, deg, rational, end, far, noise))
     if turn <= HAIRPIN:
         return float(end)
-    # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either
+    # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either, but
+    # if it turns by so little that no disc, with contacts this near to each other, tells it from none
     if 0.0 < curvature_at(cp, c0, deg, rational, far) * TRIM < 1.0 and curvature_at(cp, c0, deg, rational, near) > 0.0:
-        far = passing(STRAIGHTNESS, -1.0 / TRIM, cp, c0, deg, rational, float(end), near, far)[1]
+        rest = passing(STRAIGHTNESS, -1.0 / TRIM, cp, c0, deg, rational, float(end), near, far)[1]
+        peak = curvature_at(cp, c0, deg, rational, near)
+        if peak * TRIM < 1.0 or turn_between(cp, c0, deg, rational, rest, far) > UNSEEN:
+            far = rest
     return far
+
+
+@inner
+def is_cut_with_peak(cp, c0, deg, rational, end, at, roots, n_roots):
+    """Whether what `trimmed` cut off, up to the parameter `at`, is a peak tighter than `TRIM`, and what is left is not."""
+    tip = _tip(cp, c0, deg, rational, end, roots, n_roots)
+    near = roots[tip] if tip >= 0 else float(end)
+    return 0.0 < curvature_at(cp, c0, deg, rational, at) * TRIM < 1.0 <= curvature_at(cp, c0, deg, rational, near) * TRIM
 
 
 @inner

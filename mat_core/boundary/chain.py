@@ -11,7 +11,8 @@ from mat_core.kernels.layout import SPIRAL
 P_KIND, P_DEG, P_CP0, P_RATIONAL, P_EDGE, P_SPAN, P_GOES_ON = range(7)
 P_UA, P_UB, P_SKEW, P_X, P_Y, P_CURVATURE, P_CENTRE_X, P_CENTRE_Y, P_FRAME = range(9)
 P_X_LOW, P_Y_LOW = 14, 15
-CUT_OFF, EXTREME, PLAIN = range(3)  # a bend was cut off at an end of a Bezier; one beside it gave it its curvature; neither
+# at an end of a Bezier a bend was cut off with its peak, or up to that; one beside it gave it its curvature; none of these
+CUT_WITH_PEAK, CUT_OFF, EXTREME, PLAIN = range(4)
 # P_SKEW: as `layout.SKEW`; P_X, P_Y: start, P_X_LOW, P_Y_LOW: its further digits; P_FRAME: tx, ty, k at both ends
 PI_WIDTH = 7
 PF_WIDTH = 16
@@ -71,7 +72,7 @@ def go_on(pieces_i, pieces_f, before, after, left, right, kind, bent_alike):
     That is the one with the longer handle, `left` or `right`, of the Bezier that the tangent was taken from: pieces may be tiny.
     One curvature, too, where both are PLAIN and `bent_alike`: a side whose rounding hid that it rises there would have a leaf.
 
-    CUT_OFF: the knot is a vertex, unless the bend was a convex one that was cut off at its peak: its leaf is farther from the
+    Where something was cut off the knot is a vertex, unless that was a convex bend, up to its peak: its leaf is farther from the
     knot than `TRIM`.
     """
     tx = pieces_f[before, P_FRAME + 3]
@@ -80,7 +81,7 @@ def go_on(pieces_i, pieces_f, before, after, left, right, kind, bent_alike):
     uy = pieces_f[after, P_FRAME + 1]
     spirals = pieces_i[before, P_KIND] == SPIRAL and pieces_i[after, P_KIND] == SPIRAL
     peak = max(pieces_f[before, P_FRAME + 5], pieces_f[after, P_FRAME + 2]) if spirals else 0.0
-    if kind == CUT_OFF and not (0.0 < peak * TRIM < AT_PEAK and tx * uy - ty * ux >= 0.0):
+    if kind == CUT_WITH_PEAK or kind == CUT_OFF and not (0.0 < peak * TRIM < AT_PEAK and tx * uy - ty * ux >= 0.0):
         return
     pieces_i[after, P_GOES_ON] = 1
     if not spirals or tx * ux + ty * uy < SAME_WAY:  # it stands still at the knot

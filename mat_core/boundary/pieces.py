@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 
-from mat_core.boundary.bends import extreme_at_end, is_idle, tight_cut, total_turning, trimmed
+from mat_core.boundary.bends import extreme_at_end, is_cut_with_peak, is_idle, tight_cut, total_turning, trimmed
 from mat_core.boundary.chain import (
     CUT_OFF,
+    CUT_WITH_PEAK,
     EXTREME,
     P_CENTRE_X,
     P_CENTRE_Y,
@@ -97,6 +98,14 @@ def _cut_off(cp, c0, deg, rational, begin, end):
     ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
     bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, end, cp[c0 + deg, 0], cp[c0 + deg, 1])
     return ax - bx, ay - by
+
+
+@inner
+def _cut_kind(cp, c0, deg, rational, end, at, roots, n_roots):
+    """CUT_OFF or CUT_WITH_PEAK where a Bezier begins or ends at the parameter `at`, PLAIN where that is its own end."""
+    if at == float(end):
+        return PLAIN
+    return CUT_WITH_PEAK if is_cut_with_peak(cp, c0, deg, rational, end, at, roots, n_roots) else CUT_OFF
 
 
 @inner
@@ -214,14 +223,14 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
             cp_used += deg + 1
             count += 1
             begin = end
-    begins = PLAIN if start == 0.0 else CUT_OFF
-    ends = PLAIN if last == 1.0 else CUT_OFF
+    begins = _cut_kind(cp, c0, deg, rational, 0, start, roots, n_roots)
+    ends = _cut_kind(cp, c0, deg, rational, 1, last, roots, n_roots)
     if begins == PLAIN and n_roots > 0:
         begins = _take_extreme(cp, c0, deg, rational, 0, roots, n_roots, pieces_f, first, rounding)
     if ends == PLAIN and n_roots > 0:
         ends = _take_extreme(cp, c0, deg, rational, 1, roots, n_roots, pieces_f, count - 1, rounding)
     off_x = off_y = 0.0
-    if begins == CUT_OFF or ends == CUT_OFF:
+    if begins < EXTREME or ends < EXTREME:
         off_x, off_y = _cut_off(cp, c0, deg, rational, start, last)
         if _stretch(cp, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0], deg, off_x, off_y, LEAN):
             off_x = off_y = 0.0

@@ -43,6 +43,7 @@ from mat_core.kernels.layout import (
 from mat_core.kernels.sorting import sort
 
 NEARLY_SMOOTH = 0.1  # a joint without a vertex turns by less than this
+LONGER = 1.5  # times its chord: no curve is that turns by 1.65 or less, as pieces do (`boundary.pieces`): 1 / cos(0.825) = 1.47
 
 
 @inner
@@ -207,6 +208,24 @@ def check_coverage(t, k, first, order, figures):
 
 
 @inner
+def _spiral_length(t, i, begin, end):
+    """No less than the length of a part of a spiral, whose speed may change by decades: from the chords of its halves.
+
+    Where the directions of a curve lie within an angle a, it is no longer than its chord over cos(a / 2).
+    """
+    ox = t.sf[i, X0] if begin + end < 1.0 else t.sf[i, X1]
+    oy = t.sf[i, Y0] if begin + end < 1.0 else t.sf[i, Y1]
+    length = px = py = 0.0
+    for step in range(3):
+        x, y, tx, ty, curvature, speed = evaluate(t.si, t.sf, t.cp, i, begin + 0.5 * step * (end - begin), ox, oy)
+        if step > 0:
+            length += math.sqrt((x - px) * (x - px) + (y - py) * (y - py))
+        px = x
+        py = y
+    return LONGER * length
+
+
+@inner
 def check_whole(t, k, figures):
     """An arc in whole contact lies on its disc's circle, at both ends, in the middle and in between, unless it is tiny.
 
@@ -242,5 +261,5 @@ def check_whole(t, k, figures):
                 if not missing <= off:
                     off = missing
             off += rise
-        length = share * sf[i, LEN]
+        length = _spiral_length(t, i, begin, k.whole_s[m, 1]) if t.si[i, KIND] == SPIRAL else share * sf[i, LEN]
         worst(figures, WHOLE_ARCS, length if off > length else off, x, y)

@@ -13,7 +13,8 @@ from mat_core.kernels.judge_foot import foot
 from mat_core.kernels.layout import KIND, SPIRAL, V0, V1, X0, X1, Y0, Y1
 
 BESIDE = 1e-15  # a foot this near to the footpoint is the same point
-POINTS = 8  # of the other side through which a first ball is laid
+POINTS = 8  # of the other side through which a first ball is laid,
+ROUNDS = 4  # times, each among the neighbours of the best one so far
 BALL_STEPS = 40  # of the shrinking ball; five are usual
 BALL_SETTLED = 1e-14  # relative change of the radius that ends the iteration
 GROWTHS = 12  # doublings of the first radius until the ball meets the other side
@@ -34,6 +35,34 @@ def _common_vertex(si, sf, i, s, j, x, y):
 
 
 @inner
+def _through_points(si, sf, cp, ax, ay, tx, ty, ox, oy, j, lo, hi, r, s):
+    """(r, s): the ball tangent at a through the best of some points of site j, and of more about that one; as given without any.
+
+    It is not too small. Its foot is so near to s that steps of Newton lead there: from farther off they may pass over the place
+    where the distance is largest, and end at another foot, behind the tangent.
+    """
+    best = 0.0
+    begin = lo
+    end = hi
+    for _ in range(ROUNDS):
+        pace = (end - begin) / POINTS
+        for point in range(POINTS):
+            at = begin + (point + 0.5) * pace
+            bx, by, vx, vy, k, speed = evaluate(si, sf, cp, j, at, ox, oy)
+            dx = bx - ax
+            dy = by - ay
+            ahead = 2.0 * (tx * dy - ty * dx)
+            if ahead > best * (dx * dx + dy * dy):
+                best = ahead / (dx * dx + dy * dy)
+                s = at
+        if best == 0.0:
+            return r, s
+        begin = max(lo, s - pace)
+        end = min(hi, s + pace)
+    return 1.0 / best, s
+
+
+@inner
 def ball(si, sf, cp, i, s_i, px, py, tx, ty, j, lo, hi, first, guess, thorough):
     """(r, s, x, y, tx, ty): the disc tangent at s_i on site i, with frame p, t, that touches [lo, hi] of site j.
 
@@ -46,19 +75,9 @@ def ball(si, sf, cp, i, s_i, px, py, tx, ty, j, lo, hi, first, guess, thorough):
     s = guess
     growths = 0
     qx = qy = ux = uy = 0.0
-    # the ball through the best of some points of the other side is not too small, and its foot is near that one
-    best = 0.0
     thorough = thorough and si[j, KIND] == SPIRAL
-    for point in range(POINTS if thorough else 0):
-        at = lo + (point + 0.5) / POINTS * (hi - lo)
-        bx, by, vx, vy, k, speed = evaluate(si, sf, cp, j, at, ox, oy)
-        dx = bx - ax
-        dy = by - ay
-        ahead = 2.0 * (tx * dy - ty * dx)
-        if ahead > best * (dx * dx + dy * dy):
-            best = ahead / (dx * dx + dy * dy)
-            s = at
-    r = 1.0 / best if best > 0.0 else r
+    if thorough:
+        r, s = _through_points(si, sf, cp, ax, ay, tx, ty, ox, oy, j, lo, hi, r, s)
     for step in range(BALL_STEPS):
         # of the local feet that the last one, both ends and the middle lead to, the one that allows the smallest ball
         new = math.inf

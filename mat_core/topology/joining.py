@@ -196,8 +196,8 @@ def _unite_discs(si, sf, cp, loop_start, same_disc, same_crossed, n, contacts, r
     more = 1
     while more > 0:
         group_contacts(owner, contacts, alive, parent, n, first, member_next, last)
-        more = unite_crossed(si, sf, loop_start, disc, site, s, owner, angle, order, listed, alive, parent, first, member_next,
-                             last, same_crossed, same_disc)
+        more = unite_crossed(si, sf, loop_start, disc, kind, site, s, owner, angle, order, listed, alive, parent, first,
+                             member_next, last, same_crossed, same_disc)
         left = 0
         for position in range(listed):
             if alive[order[position]]:

@@ -254,8 +254,8 @@ def unite_interleaved(si, loop_start, disc, n, kind, site, s, angle, sweep, by_s
 
 
 @inner
-def unite_crossed(si, sf, loop_start, disc, site, s, owner, angle, order, n, alive, parent, first, member_next, last, tolerance,
-                  tight):
+def unite_crossed(si, sf, loop_start, disc, kind, site, s, owner, angle, order, n, alive, parent, first, member_next, last,
+                  tolerance, tight):
     """Unite discs whose contacts interleave; of two contacts that became one the second dies. Returns how many were united.
 
     The first n of `order`: contacts along the loops. First, last, member_next: linked lists of the contacts of each united disc.
@@ -279,6 +279,8 @@ def unite_crossed(si, sf, loop_start, disc, site, s, owner, angle, order, n, ali
         db = find(parent, owner[b])
         if da == db:  # a disc touches a site once
             alive[a if s[b] == 0.0 else b] = False
+            continue
+        if kind[da] == VERTEX_LEAF or kind[db] == VERTEX_LEAF:  # no other disc is a vertex, however small
             continue
         at_joint = b if s[b] == 0.0 else a
         bend = kink(si, sf, site[at_joint]) if s[at_joint] == 0.0 else 0.0
