@@ -42,6 +42,7 @@ Wide = np.ndarray[Any, Any]
 STEPS = 12
 CONVERGED = 1e-17  # last step of r
 SETTLED = 1e-8  # and of the footpoints' parameters
+NEARBY = 0.25  # farther than this, in s, from where it starts a footpoint is that of another disc
 
 
 def _bezier(control: Wide, s: Wide) -> tuple[Wide, Wide, Wide]:
@@ -103,6 +104,7 @@ def off_axis(axis: MedialAxis, segment: Wide, t: Wide) -> Wide:
     x = (disc[:, :3] - [*table.origin, 0.0]).astype(np.longdouble) * table.scale
     d = (disc[:, 3:] / np.linalg.norm(disc[:, 3:], axis=1)[:, None]).astype(np.longdouble)
     sites, s = _footpoints(axis, segment, t)
+    first = s.copy()
     r = x[:, 2].copy()
     moved, step = np.full(len(t), np.inf), np.full((2, len(t)), np.inf)
     for _ in range(STEPS):
@@ -124,7 +126,7 @@ def off_axis(axis: MedialAxis, segment: Wide, t: Wide) -> Wide:
     off = np.linalg.norm(np.column_stack([p + r[:, None] * n, r]) - x, axis=1)
     inside = np.all((s > -1e-9) & (s < 1 + 1e-9), axis=0)
     # beside a disc where both footpoints meet the equations are nearly dependent: they may wander while r rests
-    settled = np.all(np.abs(step) < SETTLED, axis=0)
+    settled = np.all((np.abs(step) < SETTLED) & (np.abs(s - first) < NEARBY), axis=0)
     return np.where((np.abs(moved) < CONVERGED) & settled & inside, off, np.nan).astype(float)
 
 
