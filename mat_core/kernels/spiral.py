@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from mat_core.kernels.curve import evaluate_spiral, site_frame
-from mat_core.kernels.jit import inner
+from mat_core.kernels.jit import inner, pasted
 
 NEWTON_STEPS = 60
 CAP_STEPS = 48  # halvings of a piece until the turn of D is clear
@@ -180,21 +180,27 @@ def _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, ka, pa, wa, 
     return found, a, b
 
 
+@pasted
+def _inverted(si, sf, cp, j, s, ox, oy, dpx, dpy):
+    """D at s, with both derivatives of the site and the direction of T'."""
+    x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
+    dx = x - dpx
+    dy = y - dpy
+    dd = dx * dx + dy * dy
+    along = 2.0 * (dx * x1 + dy * y1)
+    return dx, dy, x1, y1, x2, y2, x1 * dd - along * dx, y1 * dd - along * dy
+
+
 @inner
 def _root(si, sf, cp, j, ox, oy, dpx, dpy, nx, ny, wa, a, b):
     """Where psi falls through zero between a and b, by Newton's method kept inside the bracket; wa: W where the piece begins."""
     s = 0.5 * (a + b)
     for _ in range(NEWTON_STEPS):
-        x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
-        dx = x - dpx
-        dy = y - dpy
+        dx, dy, x1, y1, x2, y2, ix, iy = _inverted(si, sf, cp, j, s, ox, oy, dpx, dpy)
         dd = dx * dx + dy * dy
         ss = x1 * x1 + y1 * y1
         if dd == 0.0 or ss == 0.0:
             break
-        along = 2.0 * (dx * x1 + dy * y1)
-        ix = x1 * dd - along * dx
-        iy = y1 * dd - along * dy
         facing = nx * iy - ny * ix
         psi = nx * ix + ny * iy
         psi = small_angle(psi / facing) if abs(psi) < SMALL * facing else math.atan2(psi, facing)
@@ -223,16 +229,11 @@ def summit(si, sf, cp, j, lo, hi, guess, ox, oy, dpx, dpy, nx, ny, near):
     """
     s = guess
     for _ in range(SUMMIT_STEPS):
-        x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
-        dx = x - dpx
-        dy = y - dpy
+        dx, dy, x1, y1, x2, y2, ix, iy = _inverted(si, sf, cp, j, s, ox, oy, dpx, dpy)
         dd = dx * dx + dy * dy
         ss = x1 * x1 + y1 * y1
         if dd == 0.0 or ss == 0.0:
             break
-        along = 2.0 * (dx * x1 + dy * y1)
-        ix = x1 * dd - along * dx
-        iy = y1 * dd - along * dy
         facing = nx * iy - ny * ix
         # slope of psi, times ss and dd
         slope = (x1 * y2 - y1 * x2) * dd + 2.0 * (dy * x1 - dx * y1) * ss
