@@ -54,10 +54,10 @@ CHECKS = {
         LENGTH, 1e-9, "largest distance of a disc's centre from where a footpoint's normal puts it"
     ),
     "partners_right": Check(
-        LENGTH, 1e-8, "the same two figures for discs found anew from the right sides of strips, and for those of conics"
+        LENGTH, 1e-8, "the same two figures for discs found anew from the right sides of strips, or those of conics"
     ),
     "partners_left": Check(
-        LENGTH, 1e-8, "the same two figures for discs found anew from the left sides of strips, and for those of conics"
+        LENGTH, 1e-8, "the same two figures for discs found anew from the left sides of strips, or those of conics"
     ),
     "curves_continuous": Check(LENGTH, 1e-12, "largest jump of a curve between its pieces"),
     "curves_ends": Check(LENGTH, 1e-9, "distance of curves from the discs they should pass, beyond their stated error"),

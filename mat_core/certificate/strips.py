@@ -75,14 +75,13 @@ def check_strip(t, k, c, strip, part, run, boxes, slack, figures):
     """
     d0 = k.strip_i[strip, 2]
     d1 = k.strip_i[strip, 3]
-    radius = 0.5 * (k.disc[d0, 2] + k.disc[d1, 2])
-    right, left = _sides(t, k, strip, radius)
     end = c.part_start[run + 1] if part >= 0 else -1
     single = part >= 0 and (part + 1 == end or c.part_i[part + 1, 1] != strip)
     conic = single and _is_conic(t, k, c, strip, run)
-    confirms = conic and c.max_error[run] <= CLOSE
-    if confirms:
-        right = left = False
+    if conic and c.max_error[run] <= CLOSE and _confirms(t, k, c, strip, part, run, boxes, slack, figures):
+        return
+    radius = 0.5 * (k.disc[d0, 2] + k.disc[d1, 2])
+    right, left = _sides(t, k, strip, radius)
     for side in range(2):
         if left if side else right:
             _find_anew(t, k, strip, side, radius, False, boxes.probe)
@@ -100,8 +99,23 @@ def check_strip(t, k, c, strip, part, run, boxes, slack, figures):
         if not single:
             _sample(c, run, part, 0, boxes)
             count = _gather(boxes, probe[0, X], probe[0, Y], probe[1, X], probe[1, Y], 0, PARTNERS)
-        _judge_piece(t, k, strip, c.max_error[run], count, PARTNERS - first, confirms, boxes, slack, figures)
+        _judge_piece(t, k, strip, c.max_error[run], count, PARTNERS - first, boxes, slack, figures)
         part += 1
+
+
+@inner
+def _confirms(t, k, c, strip, part, run, boxes, slack, figures):
+    """Whether samples of a strip's conic are empty and touch both sides: then they stand for the discs found anew."""
+    d0 = k.strip_i[strip, 2]
+    d1 = k.strip_i[strip, 3]
+    _sample(c, run, part, INNER, boxes)
+    count = _gather(boxes, k.disc[d0, 0], k.disc[d0, 1], k.disc[d1, 0], k.disc[d1, 1], INNER, PARTNERS)
+    most = _judge_piece(t, k, strip, c.max_error[run], count, PARTNERS - INNER, boxes, slack, figures)
+    if not most <= CLOSE:
+        return False
+    worst(figures, PARTNERS_RIGHT, most, boxes.probe[INNER, X], boxes.probe[INNER, Y])
+    worst(figures, PARTNERS_LEFT, most, boxes.probe[INNER, X], boxes.probe[INNER, Y])
+    return True
 
 
 @inner
@@ -236,13 +250,13 @@ def _sample(c, run, part, first, boxes):
 
 
 @inner
-def _judge_piece(t, k, strip, error, count, samples, confirms, boxes, slack, figures):
+def _judge_piece(t, k, strip, error, count, samples, boxes, slack, figures):
     """Samples of a piece touch either side of their strip, and the boundary stays out of them; error: what the curve states.
 
-    `count` leaves were gathered for them; the first `samples` from the middle are looked at. confirms: whether they are discs of
-    the axis, which stand for those found anew.
+    `count` leaves were gathered for them; the first `samples` from the middle are looked at. Returns the largest figure.
     """
     granted = error + slack
+    most = -math.inf
     probe = boxes.probe
     right = k.strip_i[strip, 0]
     left = k.strip_i[strip, 1]
@@ -267,8 +281,8 @@ def _judge_piece(t, k, strip, error, count, samples, confirms, boxes, slack, fig
         off_left, s_left = distance_from(t.si, t.sf, t.cp, left, s[strip, 3], s[strip, 2], guess_left, x, y, r, granted)
         for off in (off_right, off_left):
             worst(figures, CURVES_ON_AXIS, off - granted, x, y)
-            if confirms:
-                worst(figures, PARTNERS_RIGHT, off - granted, x, y)
-                worst(figures, PARTNERS_LEFT, off - granted, x, y)
+            most = most if most >= off - granted else off - granted
         inside = _depth(t, boxes, count, n, right, s_right, left, s_left)
         worst(figures, CURVES_EMPTY, inside - granted, x, y)
+        most = most if most >= inside - granted else inside - granted
+    return most

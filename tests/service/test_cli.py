@@ -23,7 +23,7 @@ from service.cli import EXTRA, main
 from service.cli.arguments import FORMATS, parse, parser
 from service.cli.batch import settings_of
 from service.cli.exits import BROKEN_PIPE, EXITS, FAILED, INVALID_INPUT, NOT_CERTIFIED, OF_CODE, OK, SOME_FAILED, USAGE
-from service.cli.files import SCRATCH
+from service.cli.files import SCRATCH, scratch
 from service.cli.serve import listen
 from service.errors import ERRORS
 from service.http.negotiation import FORMATS as SERVED
@@ -323,19 +323,18 @@ def test_an_output_of_another_input_is_not_resumed(tmp_path: Path) -> None:
     assert b"Traceback" not in ended.stderr
 
 
-MANY = 3000
+MANY = 600
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
 def test_a_batch_that_is_stopped_leaves_whole_lines_and_no_process(tmp_path: Path, how: signal.Signals) -> None:
-    given, out, scratch = tmp_path / "in.jsonl", tmp_path / "out.jsonl", tmp_path / "scratch"
-    scratch.mkdir()
-    environment = {**ENVIRONMENT, "TMPDIR": str(scratch)}
+    given, out, temporary = tmp_path / "in.jsonl", tmp_path / "out.jsonl", tmp_path / "temporary"
+    temporary.mkdir()
+    environment = {**ENVIRONMENT, "TMPDIR": str(temporary)}
     given.write_text("\n".join(square(1 + i) for i in range(MANY)))
     with subprocess.Popen([*COMMAND, "batch", str(given), str(out), "-w", "2"], env=environment, stderr=subprocess.PIPE) as mat:
         eventually(lambda: out.exists() and out.stat().st_size > 0, START_SECONDS)
         below = descendants(mat.pid)
-        assert (another := run("batch", "-", "-", stdin=square(1).encode(), TMPDIR=str(scratch))).returncode == OK, another.stderr
         mat.send_signal(how)
         assert mat.wait(30) == {signal.SIGKILL: -9, signal.SIGINT: 130, signal.SIGTERM: 143}[how]
         assert mat.stderr is not None
@@ -345,12 +344,22 @@ def test_a_batch_that_is_stopped_leaves_whole_lines_and_no_process(tmp_path: Pat
     assert before.endswith(b"\n")
     done = before.count(b"\n")
     assert 0 < done < MANY
-    ended = run("batch", given, out, "-w", "2", "--resume", TMPDIR=str(scratch))
+    ended = run("batch", given, out, "-w", "2", "--resume", TMPDIR=str(temporary))
     assert ended.returncode == OK, ended.stderr
-    assert not list(scratch.glob(f"{SCRATCH}*")), "nobody's folder stays"
+    assert not list(temporary.glob(f"{SCRATCH}*")), "nobody's folder stays"
     lines = out.read_bytes().splitlines()
     assert out.read_bytes().startswith(before)
     assert [json.loads(line)["domain"]["bbox"][2] for line in lines] == [1 + i for i in range(MANY)]
+
+
+def test_folders_of_the_dead_are_removed_and_of_the_living_are_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    (tmp_path / f"{SCRATCH}left").mkdir()
+    (tmp_path / f"{SCRATCH}left" / "0").write_text("{}")
+    (tmp_path / "of somebody else").mkdir()
+    with scratch() as mine, scratch() as other:
+        assert {folder.name for folder in tmp_path.iterdir()} == {mine.name, other.name, "of somebody else"}
+    assert [folder.name for folder in tmp_path.iterdir()] == ["of somebody else"]
 
 
 def test_a_terminal_sees_how_far_it_is(tmp_path: Path) -> None:
