@@ -58,8 +58,12 @@ class Server:
     def _end(self, sign: signal.Signals) -> None:
         if self._process is not None:
             self._process.send_signal(sign)
-            self._process.wait(30)
-            self._process = None
+            try:
+                self._process.wait(30)
+            finally:
+                self._process.kill()
+                self._process.wait()
+                self._process = None
 
     def __enter__(self) -> Server:
         return self.start()
