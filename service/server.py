@@ -2,20 +2,26 @@
 
 ::
 
-    SIGTERM ──> /readyz says no ──notice──> no new connections ──drain──> what still runs is killed ──> exit code 0
-                requests are taken          requests in flight end       workers go
+    SIGTERM ──> /readyz says no ──notice──> no new connections ──drain──> what still runs is killed ──ENDING──> exit code 0
+                requests are taken          requests in flight end       workers go, jobs are handed back
 
 A load balancer learns from /readyz that it must send requests elsewhere, and needs a moment for it: the notice. Ctrl-C needs
-none. A second signal ends the notice, a second Ctrl-C the draining, too.
+none. Each further signal ends what is going on: the notice, the draining, at last the process.
+
+No stage waits without a limit, and should one hang all the same (a database that neither answers nor refuses can hold any
+thread that asks it), the process ends when its time is over. What it had accepted is kept: jobs that were not handed back are
+begun anew.
 """
 
 from __future__ import annotations
 
 import logging
 import math
+import os
 import resource
 import signal
 import socket
+import threading
 import time
 from types import FrameType
 
@@ -34,6 +40,13 @@ HEAD_BYTES = 64 * KIB
 
 BACKLOG = 2048
 """Connections that may wait to be accepted."""
+
+ENDING_SECONDS = 12.0
+"""Longest time from the end of the draining to the end of the process: jobs are handed back (`service.jobs.keeper`), workers go,
+and the last spans are sent, which take a second or two where everybody answers."""
+
+LINGER_SECONDS = 1.0
+"""How long threads are waited for when all is done; one that is left asks a database that does not answer."""
 
 ACCEPTED_AT_ONCE = 16
 """Connections that are accepted in a pass of the event loop, a tenth of a millisecond each."""
@@ -61,6 +74,7 @@ class Server(uvicorn.Server):
             h11_max_incomplete_event_size=HEAD_BYTES, backlog=ACCEPTED_AT_ONCE,
         )  # fmt: skip
         super().__init__(config)
+        self._drain_seconds = drain
         self._app = app
         self._notice_seconds = settings.shutdown_notice_seconds
         self._leave_at: float | None = None
@@ -75,10 +89,14 @@ class Server(uvicorn.Server):
         """Begin to leave; unlike uvicorn's own, the signal is not raised again at the end."""
         if self._leave_at is None:
             self._app.state.leaving = True
-            self._leave_at = time.monotonic() + (0.0 if sig == signal.SIGINT else self._notice_seconds)
+            notice = 0.0 if sig == signal.SIGINT else self._notice_seconds
+            self._leave_at = time.monotonic() + notice
+            _end_within(notice + self._drain_seconds + ENDING_SECONDS)
             _log.info("leaving, asked to by %s", signal.Signals(sig).name)
+        elif self.force_exit:
+            os._exit(0)
         else:
-            self.force_exit = self.should_exit and sig == signal.SIGINT
+            self.force_exit = self.should_exit
             self.should_exit = True
 
     async def on_tick(self, counter: int) -> bool:
@@ -101,9 +119,38 @@ def allow_files(connections: int) -> None:
 
 
 def run(settings: Settings, listening: socket.socket, handler: str = "service.workers.solve") -> None:
-    """Serve on a socket until a signal asks for the end, and come back when all is done."""
+    """Serve on a socket until a signal asks for the end.
+
+    Comes back when all is done, but where threads are left that hang: then the process ends here, with code 0.
+    """
     allow_files(settings.max_connections)
     server = Server(create_app(settings, handler), settings)
     host, port = listening.getsockname()[:2]
     _log.info("serving on http://%s:%d", f"[{host}]" if ":" in host else host, port)
     server.run(sockets=[listening])
+    _leave_threads()
+
+
+def _end_within(seconds: float) -> None:
+    """Have the process end after a while, whatever hangs."""
+
+    def end() -> None:
+        told = threading.Thread(target=_log.error, args=("ending now, not in good order within %g s", seconds), daemon=True)
+        told.start()  # in a thread, as the log may be what hangs
+        told.join(LINGER_SECONDS)
+        os._exit(0)
+
+    timer = threading.Timer(seconds, end)
+    timer.daemon = True
+    timer.start()
+
+
+def _leave_threads() -> None:
+    """End the process if there are threads that do not end, which Python would wait for without a limit."""
+    end = time.monotonic() + LINGER_SECONDS
+    others = [thread for thread in threading.enumerate() if not thread.daemon and thread is not threading.current_thread()]
+    for thread in others:
+        thread.join(max(0.0, end - time.monotonic()))
+    if left := [thread.name for thread in others if thread.is_alive()]:
+        _log.warning("ending without waiting for %s", ", ".join(left))
+        os._exit(0)

@@ -24,7 +24,7 @@ from service.jobs.port import StoreUnavailable
 from service.jobs.store import SLICE, Store
 from service.jobs.work import Work
 from service.settings import Settings
-from service.tasks import end
+from service.tasks import end, in_own_thread
 from service.workers.pool import Pool
 
 if TYPE_CHECKING:
@@ -34,6 +34,10 @@ if TYPE_CHECKING:
 
 OPEN_SECONDS = 1.0
 """Pause before opening a store that could not be opened is tried again."""
+
+CLOSING_SECONDS = 8.0
+"""Longest time for handing back what is not finished, a second where the database answers. What could not be handed back by
+then is begun anew at the next start, or elsewhere once this executor's lease has run out."""
 
 WATCH_SECONDS = 0.15
 """Pause between two looks at whether jobs that run here were dismissed elsewhere."""
@@ -116,7 +120,7 @@ class Keeper:
             yield
         finally:
             await end(*tasks)
-            await asyncio.to_thread(self._close)
+            await self._close_in_time()
 
     # the life of the store
 
@@ -125,7 +129,7 @@ class Keeper:
         told = ""
         while self._store is None:
             try:
-                await asyncio.to_thread(self._open, asyncio.get_running_loop())
+                await in_own_thread(self._open, asyncio.get_running_loop())
             except Exception as error:
                 if (reason := first_line(error)) != told:
                     _log.error("the job store cannot be opened, which is tried again and again: %s", reason)
@@ -193,6 +197,15 @@ class Keeper:
             self._reaper.beat()
         else:
             store.engine.connect().close()
+
+    async def _close_in_time(self) -> None:
+        """Close, unless that hangs."""
+        closing = asyncio.create_task(in_own_thread(self._close))
+        done, _ = await asyncio.wait([closing], timeout=CLOSING_SECONDS)
+        if done:
+            closing.result()
+        else:
+            _log.error("jobs could not be handed back within %g s; they go on at the next start", CLOSING_SECONDS)
 
     def _close(self) -> None:
         """Hand back what is not finished, and leave nothing open."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import signal
@@ -14,20 +13,20 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
-from fastapi import FastAPI
 
-from service.app import create_app
+from service.cli.serve import listen
+from service.server import ENDING_SECONDS, run
+from service.settings import Settings
 from tests.service.jobs.handlers import DONE
 from tests.service.live import ROOT, free_port, wait_until_ready
 
-COMMAND = (sys.executable, "-m", "uvicorn", "--factory", "tests.service.jobs.servers:application")
-OPTIONS = ("--log-level", "warning", "--no-access-log", "--host", "127.0.0.1")
+DRAIN_SECONDS = 5
+
+NOISE_SECONDS = 10.0
+"""What a busy machine may add to the time in which a server has promised to end."""
+
 LINES = {"Content-Type": "application/x-ndjson"}
 ASYNC = {"Prefer": "respond-async", "Content-Type": "application/json"}
-
-
-def application() -> FastAPI:
-    return create_app(handler="tests.service.jobs.handlers")
 
 
 class Server:
@@ -35,14 +34,15 @@ class Server:
 
     def __init__(self, folder: Path, **environment: str) -> None:
         self.folder = folder
-        usual = {"MAT_DATA_DIR": str(folder / "data"), "MAT_WORKERS": "1", "MAT_EXECUTOR_ID": "server"}
-        self._environment = {**usual, DONE: str(folder / "done"), "MAT_LOG_LEVEL": "error", **environment}
+        usual = {"MAT_DATA_DIR": str(folder / "data"), "MAT_WORKERS": "1", "MAT_EXECUTOR_ID": "server", "MAT_LOG_LEVEL": "error"}
+        usual |= {"MAT_SHUTDOWN_DRAIN_SECONDS": str(DRAIN_SECONDS), DONE: str(folder / "done")}
+        self._environment = {**usual, **environment}
         self._port = free_port()
         self.client = httpx2.Client(base_url=f"http://127.0.0.1:{self._port}", timeout=60)
         self._process: subprocess.Popen[bytes] | None = None
 
     def start(self, ready: bool = True) -> Server:
-        command = (*COMMAND, *OPTIONS, "--port", str(self._port))
+        command = (sys.executable, "-m", __name__, str(self._port))
         self._process = subprocess.Popen(command, cwd=ROOT, env={**os.environ, **self._environment})
         if ready:
             wait_until_ready(self.client, self._process)
@@ -50,28 +50,30 @@ class Server:
 
     def kill(self) -> None:
         """As by the kernel: nothing is said to anybody."""
-        self._end(signal.SIGKILL)
-
-    def stop(self) -> None:
-        self._end(signal.SIGTERM)
-
-    def _end(self, sign: signal.Signals) -> None:
         if self._process is not None:
-            self._process.send_signal(sign)
+            self._process.kill()
+            self._process.wait()
+            self._process = None
+
+    def stop(self) -> float:
+        """Ask it to end, which it must do by itself, in good order and in the time that it has promised; the seconds it took."""
+        begun = time.monotonic()
+        if self._process is not None:
             try:
-                self._process.wait(30)
+                self._process.send_signal(signal.SIGTERM)
+                assert self._process.wait(DRAIN_SECONDS + ENDING_SECONDS + NOISE_SECONDS) == 0
             finally:
-                self._process.kill()
-                self._process.wait()
-                self._process = None
+                self.kill()
+        return time.monotonic() - begun
 
     def __enter__(self) -> Server:
         return self.start()
 
     def __exit__(self, *_: object) -> None:
-        with contextlib.suppress(subprocess.TimeoutExpired):
+        try:
             self.stop()
-        self.client.close()
+        finally:
+            self.client.close()
 
     def post(self, order: dict[str, Any], **headers: str) -> httpx2.Response:
         return self.client.post("/v1/mat", content=json.dumps(order), headers=ASYNC | headers)
@@ -104,3 +106,7 @@ class Server:
         """The names of what was worked on to its end, once for each time."""
         file = self.folder / "done"
         return file.read_text().split() if file.exists() else []
+
+
+if __name__ == "__main__":
+    run(Settings.from_environment(), listen("127.0.0.1", int(sys.argv[1])), "tests.service.jobs.handlers")
