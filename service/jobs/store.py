@@ -121,32 +121,32 @@ class Store:
         last = rows[limit - 1] if len(rows) > limit else None
         return [_job(row) for row in rows[:limit]], None if last is None else (last.created, last.id)
 
-    def begin(self, job_id: str) -> Job | None:
-        """Note that a job is being worked on; None when it need not be."""
+    def begin(self, job_id: str, number: int) -> tuple[Job, Chunk] | None:
+        """Note that a job is being worked on, and hand out one of its chunks; None when it need not be.
+
+        One transaction, so that work which is noted as begun needs nothing more of the database until it is done.
+        """
         now = self.now()
         started = sa.func.coalesce(JOBS.c.started, now)
         message = sa.case((JOBS.c.state == "accepted", "Being worked on."), else_=JOBS.c.message)
         change = {"state": "running", "started": started, "updated": now, "message": message}
-        return self._change(job_id, change)
+        with self.engine.begin() as c:
+            job = _change(c, job_id, change)
+            return None if job is None else (job, _chunk(c, job_id, number))
 
     def progress(self, job_id: str, percent: int, message: str) -> None:
         """Note how far a job has come; it never goes back."""
         higher = sa.case((JOBS.c.progress > percent, JOBS.c.progress), else_=percent)
-        self._change(job_id, {"progress": higher, "updated": self.now(), "message": message})
+        with self.engine.begin() as c:
+            _change(c, job_id, {"progress": higher, "updated": self.now(), "message": message})
 
     def finish(self, job_id: str, state: State, message: str, failure: str | None = None) -> Job | None:
         """End a job; None when it was over already, and stays what it is."""
         now = self.now()
         done = {"progress": 100} if state == "successful" else {}
         change = {"state": state, "updated": now, "finished": now, "message": message, "failure": failure, **done}
-        return self._change(job_id, change)
-
-    def _change(self, job_id: str, values: dict[str, Any]) -> Job | None:
-        """Change a job that is not over."""
-        mine = (JOBS.c.id == job_id) & JOBS.c.state.in_(UNFINISHED)
         with self.engine.begin() as c:
-            row = c.execute(sa.update(JOBS).where(mine).values(values).returning(JOBS)).one_or_none()
-        return None if row is None else _job(row)
+            return _change(c, job_id, change)
 
     def over(self, job_ids: Iterable[str]) -> set[str]:
         """Those of some jobs that are over or gone."""
@@ -192,11 +192,6 @@ class Store:
         """The chunks of a job, in order."""
         with self.engine.connect() as c:
             return [Chunk(*row) for row in c.execute(_CHUNK.where(CHUNKS.c.job == job_id).order_by(CHUNKS.c.number))]
-
-    def chunk(self, job_id: str, number: int) -> Chunk:
-        """One chunk."""
-        with self.engine.connect() as c:
-            return Chunk(*c.execute(_CHUNK.where(CHUNKS.c.job == job_id, CHUNKS.c.number == number)).one())
 
     def finish_chunk(self, job_id: str, number: int, result: str, failed: int, enqueue: Enqueue) -> bool:
         """Note a chunk's result, and enqueue the chunk that is next in its row. False where there is a result, or no chunk."""
@@ -263,6 +258,17 @@ _CHUNK = sa.select(CHUNKS.c.number, CHUNKS.c.first, CHUNKS.c.domains, CHUNKS.c.b
 
 _LOCK = 0x6D61745F
 """Any number, the same on all machines: the lock under which tables are made ("mat_")."""
+
+
+def _change(c: sa.Connection, job_id: str, values: dict[str, Any]) -> Job | None:
+    """Change a job that is not over; None when it is."""
+    mine = (JOBS.c.id == job_id) & JOBS.c.state.in_(UNFINISHED)
+    row = c.execute(sa.update(JOBS).where(mine).values(values).returning(JOBS)).one_or_none()
+    return None if row is None else _job(row)
+
+
+def _chunk(c: sa.Connection, job_id: str, number: int) -> Chunk:
+    return Chunk(*c.execute(_CHUNK.where(CHUNKS.c.job == job_id, CHUNKS.c.number == number)).one())
 
 
 def _job(row: Any) -> Job:

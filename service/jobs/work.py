@@ -63,10 +63,10 @@ class Work:
     async def __call__(self, job_id: str, number: int) -> None:
         """Work on one chunk. Cancelling the call kills the worker."""
         assert self.store is not None, "work comes from the store"
-        job = await self._calls.insist(self.store.begin, job_id)
-        if job is None:
+        begun = await self._calls.insist(self.store.begin, job_id, number)
+        if begun is None:
             return
-        chunk = await self._calls.insist(self.store.chunk, job_id, number)
+        job, chunk = begun
         try:
             if chunk.result is None:
                 _log.debug("chunk %d of job %s is begun", number, job_id)

@@ -28,17 +28,40 @@ from service.server import run
 from service.settings import Settings
 run(Settings.from_environment(), socket.socket(fileno=int(sys.argv[1])), "tests.service.handlers")
 """
+HANGING = """
+import threading, time
+threading.Thread(target=time.sleep, args=(3600,)).start()
+"""
+"""A thread that Python would wait for at the end, as for one that asks a database which does not answer."""
+
+BLOCKED = """
+import contextlib, time
+from service import server
+from service.workers.pool import Pool
+server.ENDING_SECONDS, running = 1.0, Pool.running
+@contextlib.asynccontextmanager
+async def never_over(pool):
+    async with running(pool):
+        yield
+    time.sleep(3600)
+Pool.running = never_over
+"""
+"""An end of the service that blocks the event loop."""
+
 JSON = {"Content-Type": "application/json"}
 Serving = tuple[subprocess.Popen[bytes], str]
 
 
 @contextlib.contextmanager
-def serving(folder: Path, **settings: str) -> Iterator[Serving]:
-    """A server with workers that do as they are told, and its address; it is killed if it still runs in the end."""
+def serving(folder: Path, before: str = "", **settings: str) -> Iterator[Serving]:
+    """A server with workers that do as they are told, and its address; it is killed if it still runs in the end.
+
+    `before` is Python that runs in its process first.
+    """
     environment = {**os.environ, "MAT_DATA_DIR": str(folder), "MAT_WORKERS": "1", "MAT_LOG_LEVEL": "warning", **settings}
     with socket.create_server(("127.0.0.1", 0)) as listening:
         address = f"http://127.0.0.1:{listening.getsockname()[1]}"
-        command = [sys.executable, "-c", PROGRAM, str(listening.fileno())]
+        command = [sys.executable, "-c", before + PROGRAM, str(listening.fileno())]
         process = subprocess.Popen(command, cwd=ROOT, env=environment, pass_fds=[listening.fileno()])
     try:
         with httpx2.Client(base_url=address) as client:
@@ -102,15 +125,29 @@ def test_what_does_not_end_in_time_is_killed(tmp_path: Path) -> None:
     eventually(lambda: not any(alive(pid) for pid in below))
 
 
-def test_ctrl_c_needs_no_notice_and_a_second_one_no_draining(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "signals",
+    [[signal.SIGINT] * 2, [signal.SIGTERM] * 3, [signal.SIGINT, signal.SIGTERM]],
+    ids=["Ctrl-C needs no notice", "SIGTERM", "both"],
+)
+def test_a_further_signal_ends_the_notice_and_one_more_the_draining(tmp_path: Path, signals: list[signal.Signals]) -> None:
     with serving(tmp_path, MAT_SHUTDOWN_NOTICE_SECONDS="30", MAT_SHUTDOWN_DRAIN_SECONDS="30") as (process, address):
         below = descendants(process.pid)
         request = InFlight(address, 25.0)
-        process.send_signal(signal.SIGINT)
-        time.sleep(0.5)
-        process.send_signal(signal.SIGINT)
+        for sign in signals:
+            process.send_signal(sign)
+            time.sleep(0.5)
         assert process.wait(20) == 0
         request.join()
+    eventually(lambda: not any(alive(pid) for pid in below))
+
+
+@pytest.mark.parametrize("before", [HANGING, BLOCKED], ids=["a thread", "the event loop"])
+def test_a_server_in_which_something_hangs_ends_in_time_all_the_same(tmp_path: Path, before: str) -> None:
+    with serving(tmp_path, before, MAT_SHUTDOWN_DRAIN_SECONDS="1") as (process, _):
+        below = descendants(process.pid)
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(20) == 0
     eventually(lambda: not any(alive(pid) for pid in below))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pwd
 import shutil
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.service.live import free_port
+from tests.service.processes import descendants
 
 START_SECONDS = 60
 
@@ -25,7 +27,7 @@ def programs() -> Path | None:
 
 
 class Postgres:
-    """One cluster in a folder that is gone afterwards; it can be stopped and started again."""
+    """One cluster in a folder that is gone afterwards; it can be stopped and started again, frozen and thawed."""
 
     def __init__(self, folder: Path) -> None:
         self._programs = folder
@@ -59,9 +61,24 @@ class Postgres:
     def stop(self) -> None:
         """Stop at once: connections are cut."""
         if self._process is not None:
+            self.thaw()
             self._process.send_signal(signal.SIGINT)
             self._process.wait(30)
             self._process = None
+
+    def freeze(self) -> None:
+        """Neither answer nor refuse: the kernel takes connections and questions, and nobody looks at them."""
+        self._signal(signal.SIGSTOP)
+
+    def thaw(self) -> None:
+        """Go on where it was frozen."""
+        self._signal(signal.SIGCONT)
+
+    def _signal(self, sign: signal.Signals) -> None:
+        assert self._process is not None, "it was started"
+        for pid in (self._process.pid, *descendants(self._process.pid)):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, sign)
 
     def remove(self) -> None:
         """Stop, and leave nothing."""

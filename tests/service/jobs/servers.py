@@ -22,6 +22,9 @@ from tests.service.live import ROOT, free_port, wait_until_ready
 
 DRAIN_SECONDS = 5
 
+PAUSE_SECONDS = 0.5
+"""Between two signals: the server sees each by itself, and has ended what the one before it was for."""
+
 NOISE_SECONDS = 10.0
 """What a busy machine may add to the time in which a server has promised to end."""
 
@@ -55,12 +58,14 @@ class Server:
             self._process.wait()
             self._process = None
 
-    def stop(self) -> float:
-        """Ask it to end, which it must do by itself, in good order and in the time that it has promised; the seconds it took."""
+    def stop(self, signals: int = 1) -> float:
+        """Ask it to end, which it must do by itself, with code 0 and in the time that it has promised; the seconds it took."""
         begun = time.monotonic()
         if self._process is not None:
             try:
-                self._process.send_signal(signal.SIGTERM)
+                for _ in range(signals):
+                    self._process.send_signal(signal.SIGTERM)
+                    time.sleep(PAUSE_SECONDS)
                 assert self._process.wait(DRAIN_SECONDS + ENDING_SECONDS + NOISE_SECONDS) == 0
             finally:
                 self.kill()
@@ -106,6 +111,14 @@ class Server:
         """The names of what was worked on to its end, once for each time."""
         file = self.folder / "done"
         return file.read_text().split() if file.exists() else []
+
+
+def code(server: Server) -> str:
+    """Why a server is not ready; nothing while it does not answer."""
+    try:
+        return str(server.client.get("/readyz").json().get("code"))
+    except httpx2.TransportError:
+        return ""
 
 
 if __name__ == "__main__":

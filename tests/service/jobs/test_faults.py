@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import random
 import socket
+import sqlite3
 import time
 from collections import Counter
 from pathlib import Path
 from urllib.parse import urlsplit
 
-import httpx2
 import pytest
 
 from service.errors import ERRORS
-from tests.service.jobs.servers import LINES, Server
+from tests.service.jobs.servers import LINES, Server, code
 from tests.service.processes import eventually
 
 
@@ -66,6 +67,18 @@ def test_a_server_that_is_stopped_hands_its_jobs_back_in_good_time(tmp_path: Pat
         assert sorted(server.done()) == ["running", "waiting"]
 
 
+def test_a_server_whose_database_is_locked_ends_in_time_and_loses_nothing(tmp_path: Path) -> None:
+    with Server(tmp_path) as server:
+        jobs = [server.job({"name": "running", "seconds": 3}), server.job({"name": "waiting"})]
+        server.until(jobs[0], "running")
+        with contextlib.closing(sqlite3.connect(tmp_path / "data" / "jobs.sqlite", isolation_level=None)) as other:
+            other.execute("BEGIN EXCLUSIVE")
+            server.stop()
+        server.start()
+        for job in jobs:
+            assert server.until(job, "successful", "failed")["status"] == "successful"
+
+
 @pytest.mark.parametrize("chunked", [False, True], ids=["short of its length", "without its last chunk"])
 def test_a_batch_that_is_cut_off_makes_no_job_and_leaves_no_file(tmp_path: Path, chunked: bool) -> None:
     with Server(tmp_path, MAT_BATCH_CHUNK="1") as server:
@@ -88,7 +101,7 @@ def test_without_its_store_the_service_serves_everything_else(tmp_path: Path) ->
     server = Server(tmp_path)
     try:
         server.start(ready=False)
-        eventually(lambda: _code(server) == "store-unavailable", seconds=60)
+        eventually(lambda: code(server) == "store-unavailable", seconds=60)
         sync = server.client.post("/v1/mat", content=b'{"name": "sync"}', headers={"Content-Type": "application/json"})
         assert sync.json() == {"did": {"name": "sync"}}
         refused = [server.post({}), server.client.post("/v1/batches", content=b"{}\n", headers=LINES)]
@@ -102,14 +115,6 @@ def test_without_its_store_the_service_serves_everything_else(tmp_path: Path) ->
         server.until(server.job({"name": "later"}), "successful")
     finally:
         server.stop()
-
-
-def _code(server: Server) -> str:
-    """Why a server is not ready; nothing while it does not answer."""
-    try:
-        return str(server.client.get("/readyz").json().get("code"))
-    except httpx2.TransportError:
-        return ""
 
 
 def test_an_api_and_a_worker_share_a_folder_and_a_dismissal_reaches_the_worker(tmp_path: Path) -> None:

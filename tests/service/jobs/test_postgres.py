@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import contextlib
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
+from service.jobs.keeper import CLOSING_SECONDS
 from tests.service.jobs.postgres import Postgres, programs
-from tests.service.jobs.servers import Server
+from tests.service.jobs.servers import NOISE_SECONDS, Server, code
 from tests.service.processes import eventually
+
+Away = tuple[Callable[[], None], Callable[[], None]]
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +57,7 @@ def test_while_the_database_is_away_work_goes_on_and_is_recorded_when_it_is_back
     with server(tmp_path, postgres, "all", "patient") as one:
         running = one.job({"name": "running", "seconds": 1.5})
         waiting = one.job({"name": "waiting"})
-        one.until(running, "running")
+        eventually(lambda: one.status(running)["message"] == "Being worked on: solve.", seconds=60)  # a worker has it
         postgres.stop()
         refused = one.post({})
         assert (refused.status_code, refused.json()["code"]) == (503, "store-unavailable")
@@ -66,3 +71,59 @@ def test_while_the_database_is_away_work_goes_on_and_is_recorded_when_it_is_back
         for job in (running, waiting):
             assert one.until(job, "successful")["progress"] == 100
         assert sorted(one.done()) == ["None", "running", "waiting"]
+
+
+@pytest.fixture
+def away(request: pytest.FixtureRequest, postgres: Postgres) -> Iterator[Away]:
+    """How to make the database be away, stopped or frozen, and to have it back; it is back afterwards."""
+    leave, come = (postgres.stop, postgres.start) if request.param == "stopped" else (postgres.freeze, postgres.thaw)
+    with contextlib.ExitStack() as gone:
+
+        def be_away() -> None:
+            leave()
+            gone.callback(come)
+
+        yield be_away, gone.close
+
+
+@pytest.mark.parametrize(
+    ("away", "seconds"), [("stopped", 0.0), ("stopped", 0.01), ("stopped", 0.03), ("frozen", 0.01)], indirect=["away"]
+)
+def test_a_server_ends_in_time_while_its_database_is_away_and_loses_nothing(
+    tmp_path: Path, postgres: Postgres, away: Away, seconds: float
+) -> None:
+    be_away, be_back = away
+    one = server(tmp_path, postgres, "all", "leaving")
+    with one:
+        jobs = [one.job({"name": "running", "seconds": 1.0}), one.batch({"name": k, "seconds": 0.05} for k in range(20))]
+        jobs.append(one.job({"name": "waiting"}))  # is claimed, begun or neither when the database goes
+        time.sleep(seconds)
+        be_away()
+        assert one.stop() < CLOSING_SECONDS + NOISE_SECONDS  # there is nothing to drain
+        be_back()
+        one.start()
+        for job in jobs:
+            assert one.until(job, "successful", "failed")["status"] == "successful"
+
+
+@pytest.mark.parametrize("away", ["frozen"], indirect=True)
+@pytest.mark.parametrize("role", ["all", "api", "worker"])
+def test_further_signals_end_a_server_at_once_that_waits_for_its_database(
+    tmp_path: Path, postgres: Postgres, away: Away, role: str
+) -> None:
+    with server(tmp_path, postgres, role, "hurried") as one:
+        be_away, _ = away
+        be_away()
+        assert one.stop(signals=3) < CLOSING_SECONDS
+
+
+@pytest.mark.parametrize("away", ["stopped", "frozen"], indirect=True)
+def test_a_server_that_has_not_found_its_database_yet_ends_in_time(tmp_path: Path, postgres: Postgres, away: Away) -> None:
+    be_away, _ = away
+    be_away()
+    one = server(tmp_path, postgres, "all", "early").start(ready=False)
+    try:
+        eventually(lambda: code(one) == "store-unavailable", seconds=60)
+        assert one.stop() < CLOSING_SECONDS + NOISE_SECONDS
+    finally:
+        one.kill()

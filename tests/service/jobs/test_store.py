@@ -25,7 +25,7 @@ def test_a_job_ends_once(store: Store) -> None:
     store.insert(new("a"), nothing)
     assert store.finish("a", "dismissed", "Dismissed.") is not None
     assert store.finish("a", "successful", "Finished.") is None  # by an executor that did not know
-    assert store.begin("a") is None
+    assert store.begin("a", 0) is None
     store.progress("a", 50, "half")
     job = store.get("a")
     assert job is not None
@@ -43,7 +43,9 @@ def test_a_chunk_keeps_its_first_result_and_brings_one_more(store: Store) -> Non
     assert store.finish_chunk("a", 1, "first", 0, enqueue)
     assert not store.finish_chunk("a", 1, "second", 0, enqueue)
     assert not store.finish_chunk("gone", 1, "second", 0, enqueue)
-    assert store.chunk("a", 1).result == "first"
+    begun = store.begin("a", 1)
+    assert begun is not None
+    assert (begun[0].state, begun[1].result) == ("running", "first")
     assert enqueued[CHUNKS_AHEAD:] == [CHUNKS_AHEAD + 1]
     store.finish_chunk("a", CHUNKS_AHEAD + 1, "last", 1, enqueue)
     assert len(enqueued) == CHUNKS_AHEAD + 1
