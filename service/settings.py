@@ -162,7 +162,8 @@ class Settings:
     shutdown_notice_seconds : float
         How long requests are still taken after SIGTERM while /readyz says no: what a load balancer needs to notice.
     shutdown_drain_seconds : float
-        Longest time that requests in flight are then given to end; whole seconds.
+        Longest time that requests in flight are then given to end; whole seconds. The process is gone 12 s later at the latest
+        (`service.server.ENDING_SECONDS`), whatever hangs.
     result_cache_bytes : int
         Memory for answers that are given again to the same request without solving; 0: none are kept.
     api_keys : tuple of ApiKey

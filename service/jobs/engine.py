@@ -11,6 +11,28 @@ CONNECT_SECONDS = 2
 STATEMENT_SECONDS = 10
 """No question of this module takes long; a longer wait means that the database is in trouble."""
 
+SILENCE_SECONDS = 5
+"""How long the other end of a connection may be silent, not even acknowledging what the kernel asks it; then it is taken for
+gone. Without this a question is waited for two hours whose machine was switched off or cut off after it had been sent."""
+
+PROBES = 2
+"""How often it is asked within that time."""
+
+
+def watched(url: str) -> str:
+    """The address of a database with what lets the kernel notice that it is gone; what the address says itself is kept."""
+    parsed = sa.make_url(url)
+    if parsed.get_backend_name() == "sqlite":
+        return url
+    watch = {
+        "connect_timeout": str(2 * SILENCE_SECONDS),
+        "tcp_user_timeout": str(1000 * SILENCE_SECONDS),
+        "keepalives_idle": str(SILENCE_SECONDS),
+        "keepalives_interval": str(SILENCE_SECONDS // PROBES),
+        "keepalives_count": str(PROBES),
+    }
+    return parsed.set(query={**watch, **parsed.query}).render_as_string(hide_password=False)
+
 
 def engine_for(url: str) -> sa.Engine:
     """An engine whose calls fail soon rather than hang when the database is gone."""
@@ -24,7 +46,7 @@ def engine_for(url: str) -> sa.Engine:
         parsed.set(drivername="postgresql+psycopg"),
         pool_pre_ping=True,
         pool_timeout=CONNECT_SECONDS,
-        connect_args={"connect_timeout": CONNECT_SECONDS, "options": options, "tcp_user_timeout": 5000},
+        connect_args={"connect_timeout": CONNECT_SECONDS, "options": options},
     )
 
 

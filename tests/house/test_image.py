@@ -23,6 +23,7 @@ from service.http.connections import Connections
 from service.http.traffic import Traffic
 from service.observability.metrics import Metrics
 from service.operations import OPERATIONS
+from service.server import ENDING_SECONDS
 from service.settings import MIB, Settings, variable
 from tests.families import CATALOGUE
 from tests.service.live import ROOT, serving
@@ -282,7 +283,7 @@ def test_the_limits_leave_room_for_the_workers_and_the_end_for_the_draining() ->
     assert int(limits["memory"].removesuffix("m")) * MIB >= settings.workers * each + 1024 * MIB
     assert float(limits["cpus"]) > settings.workers
     longest = settings.shutdown_notice_seconds + settings.shutdown_drain_seconds
-    assert float(service["stop_grace_period"].removesuffix("s")) >= longest + 15
+    assert float(service["stop_grace_period"].removesuffix("s")) >= longest + 15 > longest + ENDING_SECONDS
 
 
 def test_variables_reach_the_services() -> None:

@@ -13,7 +13,9 @@ from service.errors import ERRORS
 from service.http import connections
 from service.http.connections import Connections
 from service.http.traffic import Traffic
+from service.jobs.leases import LEASE_SECONDS
 from service.observability.metrics import Metrics
+from service.server import ENDING_SECONDS
 from service.settings import Settings, variable
 from service.workers.crew import Reason
 from tests.house.test_documents import README, ROOT, rows
@@ -66,6 +68,12 @@ def test_every_service_of_a_command_is_one() -> None:
         assert command.split()[0] in SERVICES, command
     profiles = {profile for service in SERVICES.values() for profile in service.get("profiles", ())}
     assert set(re.findall(r"--profile (\w+)", RUNBOOK)) <= profiles
+
+
+def test_the_bound_of_the_end_is_the_bound() -> None:
+    assert f"gone {ENDING_SECONDS:g} s after the draining" in RUNBOOK
+    assert f"lease of {LEASE_SECONDS:g} s" in RUNBOOK
+    assert f"gone {ENDING_SECONDS:g} s later" in README
 
 
 def test_the_table_of_exit_codes_is_the_table() -> None:

@@ -14,9 +14,11 @@ from service.jobs import executor
 from service.jobs.port import StoreUnavailable
 from tests.service.jobs.servers import NOISE_SECONDS
 
+AWAY_SECONDS = 4 * NOISE_SECONDS
+
 
 class Away:
-    """A database that goes away when workflows have been claimed and not begun; what DBOS asks it then comes back never."""
+    """A database that goes away when workflows have been claimed and not begun, for longer than the test has patience."""
 
     def __init__(self) -> None:
         self.claimed, self.back = threading.Event(), threading.Event()
@@ -26,7 +28,7 @@ class Away:
         return ["a-0"], None
 
     def get_workflow_statuses(self, _: list[str]) -> list[Any]:
-        self.back.wait()
+        self.back.wait(AWAY_SECONDS)
         return []
 
 
