@@ -78,6 +78,8 @@ class Server(uvicorn.Server):
         self._app = app
         self._notice_seconds = settings.shutdown_notice_seconds
         self._leave_at: float | None = None
+        self._end_at = math.inf
+        self._asked = threading.Event()
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to serve. To asyncio the backlog says also how many are accepted at once, so the kernel is told its own anew."""
@@ -91,7 +93,8 @@ class Server(uvicorn.Server):
             self._app.state.leaving = True
             notice = 0.0 if sig == signal.SIGINT else self._notice_seconds
             self._leave_at = time.monotonic() + notice
-            _end_within(notice + self._drain_seconds + ENDING_SECONDS)
+            self._end_at = self._leave_at + self._drain_seconds + ENDING_SECONDS
+            self._asked.set()
             _log.info("leaving, asked to by %s", signal.Signals(sig).name)
         elif self.force_exit:
             os._exit(0)
@@ -104,6 +107,15 @@ class Server(uvicorn.Server):
         if self._leave_at is not None and time.monotonic() >= self._leave_at:
             self.should_exit = True
         return await super().on_tick(counter)
+
+    def end_in_time(self) -> None:
+        """End the process when its time is over, whatever hangs; for a thread of its own, begun before a signal can come."""
+        self._asked.wait()
+        time.sleep(max(0.0, self._end_at - time.monotonic()))
+        told = threading.Thread(target=_log.error, args=("ending now, which was not done in good order in time",), daemon=True)
+        told.start()  # in a thread, as the log may be what hangs
+        told.join(LINGER_SECONDS)
+        os._exit(0)
 
 
 def allow_files(connections: int) -> None:
@@ -127,22 +139,9 @@ def run(settings: Settings, listening: socket.socket, handler: str = "service.wo
     server = Server(create_app(settings, handler), settings)
     host, port = listening.getsockname()[:2]
     _log.info("serving on http://%s:%d", f"[{host}]" if ":" in host else host, port)
+    threading.Thread(target=server.end_in_time, daemon=True).start()
     server.run(sockets=[listening])
     _leave_threads()
-
-
-def _end_within(seconds: float) -> None:
-    """Have the process end after a while, whatever hangs."""
-
-    def end() -> None:
-        told = threading.Thread(target=_log.error, args=("ending now, not in good order within %g s", seconds), daemon=True)
-        told.start()  # in a thread, as the log may be what hangs
-        told.join(LINGER_SECONDS)
-        os._exit(0)
-
-    timer = threading.Timer(seconds, end)
-    timer.daemon = True
-    timer.start()
 
 
 def _leave_threads() -> None:

@@ -13,7 +13,7 @@ STATEMENT_SECONDS = 10
 
 SILENCE_SECONDS = 5
 """How long the other end of a connection may be silent, not even acknowledging what the kernel asks it; then it is taken for
-gone. Without this a question is waited for two hours whose machine was switched off or cut off after it had been sent."""
+gone. Without this an answer is waited for two hours if the machine is switched off or cut off after it was asked."""
 
 PROBES = 2
 """How often it is asked within that time."""

@@ -245,7 +245,7 @@ class Executor:
             return
         try:
             self._dbos._sys_db._retry_connection_errors = False  # else its threads try for ever while the database is away
-            claims_ended = self._claiming.acquire(timeout=CLAIM_SECONDS)
+            claims_ended = self._claiming.acquire(timeout=CLAIM_SECONDS)  # for good: no other begins
             DBOS.destroy(destroy_registry=True)
             if not claims_ended:
                 raise StoreUnavailable("the queue is still being looked at")
