@@ -110,7 +110,7 @@ def _tip(cp, c0, deg, rational, end, roots, n_roots):
 
 @inner
 def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
-    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_stretch` brings it back to its vertex.
+    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off (`chain.stretch` brings it back).
 
     Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once. So
     does one that stands still there, or hardly moves, where the weights of the next control points differ by decades.
@@ -134,9 +134,9 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
         return float(end)
     # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either, but
     # if it turns by so little that no disc, with contacts this near to each other, tells it from none
-    if 0.0 < curvature_at(cp, c0, deg, rational, far) * TRIM < 1.0 and curvature_at(cp, c0, deg, rational, near) > 0.0:
+    peak = curvature_at(cp, c0, deg, rational, near)
+    if peak > 0.0 and 0.0 < curvature_at(cp, c0, deg, rational, far) * TRIM < 1.0:
         rest = passing(STRAIGHTNESS, -1.0 / TRIM, cp, c0, deg, rational, float(end), near, far)[1]
-        peak = curvature_at(cp, c0, deg, rational, near)
         if peak * TRIM < 1.0 or turn_between(cp, c0, deg, rational, rest, far) > UNSEEN:
             far = rest
     return far
