@@ -247,7 +247,8 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                     if about + deg + 1 > cp.shape[0]:
                         return -1, cp_used
                     about_nearest(cp, cp_low, c0, deg, begin, about)
-                    end = before_rise(cp, about, deg, begin, even_end(cp, about, deg, begin, end, table, part, rounding))
+                    end = even_end(cp, about, deg, begin, end, table, part, rounding)
+                    end = before_rise(cp, about, deg, begin, end, rounding)
                     place_part(cp, about, deg, 1, begin, end, table, part)
                     before = skew * begin + (1.0 - begin)
                     after = skew * end + (1.0 - end)
