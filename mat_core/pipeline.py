@@ -104,7 +104,9 @@ def medial_axis(
     Notes
     -----
     What no disc sees has no branch of its own: a bend within 4e-13 of the normalised size from an end of an edge or a knot, and a
-    rise of the curvature that no disc of the domain reaches over by more than the rounding of a normalised coordinate.
+    rise of the curvature that no disc of the domain reaches over by more than the rounding of a normalised coordinate. Discs are
+    those of the boundary without such bends: one of radius r with contacts d apart, one of them on a bend of width w, differs by
+    some w r^2 / d^2 from the disc that touches the bend itself.
 
     After M. Ramanathan and B. Gurumoorthy, "Constructing medial axis transform of planar domains with curved boundaries" (2003),
     with branch points found from maximal discs before anything is traced.

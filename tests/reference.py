@@ -37,6 +37,7 @@ UNEVEN_LENGTH = 1e-9  # cells of a length below this may be uneven
 BENT_LENGTH = 1e-14  # nor are shorter ones cut because they are bent: what they bend by is a vertex to any disc
 DEEPEST = 100  # halvings of a span: below this a cell is at rounding level
 GRID = 9  # parameters per cell where the sign of the derivative of the distance is looked at
+FLAT = 0.25  # 1 - k r, of a point of the grid: beside it as many more parameters are looked at
 TIE = 1e-14  # distances closer than this are taken as equal
 OWN_BLUR = 3e-7  # error of a disc that its own curvature bounds: its partner is nearer than (TIE / k'')^(1/4)
 SMOOTH_TURN = 1e-12  # turning given to a smooth vertex of infinite curvature
@@ -103,6 +104,22 @@ def full_knots(edge: dict[str, Any]) -> Floats:
     degree = int(edge["degree"])
     given = edge.get("knots")
     return np.array([0.0] * (degree + 1) + [1.0] * (degree + 1) if given is None else given, dtype=float)
+
+
+class Intervals(NamedTuple):
+    """Parameters [lo, hi] of cells, seen from a point p: (n,) `row` of both, g = (C - p).C' and its slope at lo and hi."""
+
+    row: Ints
+    lo: Floats
+    hi: Floats
+    g_lo: Floats
+    g_hi: Floats
+    slope_lo: Floats
+    slope_hi: Floats
+
+    def where(self, those: NDArray[np.bool_]) -> Intervals:
+        """Some of them."""
+        return Intervals(*(column[those] for column in self))
 
 
 class CurveSet:
@@ -251,12 +268,12 @@ class CurveSet:
         q, cell, p = q[keep], cell[keep], p[keep]
         # one row per bracket: a sign change - to + of (C - p).C', or a cell end from which the distance grows inward
         g = np.einsum("ijk,ijk->ij", self.grid[cell] - p[:, None], self.grid_d[cell])
-        row, j = np.nonzero((g[:, :-1] < 0) & (g[:, 1:] >= 0))
-        step = np.float64(1.0 / (GRID - 1))
-        s = self._refine(cell[row], p[row], j * step, (j + 1) * step)
+        intervals = self._intervals(cell, p, g)
+        row, lo, hi = intervals.where((intervals.g_lo < 0) & (intervals.g_hi >= 0))[:3]
+        s = self._refine(cell[row], p[row], lo, hi)
         at0, at1 = np.nonzero(g[:, 0] >= 0)[0], np.nonzero(g[:, -1] <= 0)[0]
         dip, dip_s = self._dips(cell, p, at0, at1)
-        pair, pair_s = self._pairs(cell, p, g)
+        pair, pair_s = self._pairs(cell, p, intervals)
         rows = np.concatenate([row, at0, at1, dip, pair])
         s = np.concatenate([s, np.zeros(len(at0)), np.ones(len(at1)), dip_s, pair_s])
         q, cell = q[rows], cell[rows]
@@ -286,18 +303,38 @@ class CurveSet:
         a, b = s[i, j], s[i, j + 1]
         return rows[i], self._refine(cell[rows[i]], p[rows[i]], np.minimum(a, b), np.maximum(a, b))
 
-    def _pairs(self, cell: Ints, p: Floats, g: Floats) -> tuple[Ints, Floats]:
-        """Minima between two points of the grid that have a maximum between them, too: rows and parameters.
+    def _intervals(self, cell: Ints, p: Floats, g: Floats) -> Intervals:
+        """Those of the grid, whose g is given, of all rows: where it is flat, finer ones.
 
-        There g = (C - p).C' has the same sign at both, and its own extremum between them has the other one.
+        There the cell follows a circle about the point, and there may be two minima where g has signs that show one, or none.
         """
-        slope = np.sum(self.grid_d[cell] ** 2, axis=2)
-        slope += np.einsum("ijk,ijk->ij", self.grid[cell] - p[:, None], self.grid_dd[cell])
-        above = (g[:, :-1] > 0) & (g[:, 1:] > 0) & (slope[:, :-1] < 0) & (slope[:, 1:] > 0)
-        below = (g[:, :-1] < 0) & (g[:, 1:] < 0) & (slope[:, :-1] > 0) & (slope[:, 1:] < 0)
-        row, j = np.nonzero(above | below)
-        sign = np.where(above[row, j], 1.0, -1.0)
-        a, b = j / (GRID - 1), (j + 1) / (GRID - 1)
+        speed = np.sum(self.grid_d[cell] ** 2, axis=2)
+        slope = speed + np.einsum("ijk,ijk->ij", self.grid[cell] - p[:, None], self.grid_dd[cell])
+        flat = np.abs(slope) < FLAT * speed
+        flat = flat[:, :-1] | flat[:, 1:]
+        row, j = np.nonzero(~flat)
+        step = 1.0 / (GRID - 1)
+        coarse = row, j * step, (j + 1) * step, g[row, j], g[row, j + 1], slope[row, j], slope[row, j + 1]
+        row, j = np.nonzero(flat)
+        s = (j[:, None] + np.linspace(0, 1, GRID)) * step
+        rows = np.repeat(row, GRID)
+        c, c1, c2 = self.evaluate(cell[rows], s.ravel())
+        fine_g = np.sum((c - p[rows]) * c1, axis=1).reshape(s.shape)
+        fine_slope = (np.sum(c1 * c1, axis=1) + np.sum((c - p[rows]) * c2, axis=1)).reshape(s.shape)
+        columns = (v[:, k : GRID - 1 + k].ravel() for v in (s, fine_g, fine_slope) for k in (0, 1))
+        fine = np.repeat(row, GRID - 1), *columns
+        return Intervals(*(np.concatenate(both) for both in zip(coarse, fine, strict=True)))
+
+    def _pairs(self, cell: Ints, p: Floats, intervals: Intervals) -> tuple[Ints, Floats]:
+        """Minima in intervals that have a maximum, too: rows and parameters.
+
+        There g = (C - p).C' has the same sign at both ends, and its own extremum between them has the other one.
+        """
+        _, _, _, g_lo, g_hi, slope_lo, slope_hi = intervals
+        above = (g_lo > 0) & (g_hi > 0) & (slope_lo < 0) & (slope_hi > 0)
+        below = (g_lo < 0) & (g_hi < 0) & (slope_lo > 0) & (slope_hi < 0)
+        sign = np.where(above, 1.0, -1.0)[above | below]
+        row, a, b = intervals.where(above | below)[:3]
         lo, hi = a.copy(), b.copy()
         for _ in range(50 if len(row) else 0):
             m = 0.5 * (lo + hi)
@@ -637,11 +674,13 @@ class Reference:
             if not len(active):
                 break
             c = p[active] + r[active, None] * normal[active]
-            d, _, _, q = self.boundary.nearest(c)
+            d, cell, _, q = self.boundary.nearest(c)
+            # a bend that is a vertex to any disc may be that vertex
+            placed = np.where(self.bent[cell], TINY, TIE)
             apart = q - p[active]
             with np.errstate(divide="ignore", invalid="ignore"):
                 new = np.sum(apart**2, axis=1) / (2 * np.sum(apart * normal[active], axis=1))
-                noise = 2 * TIE * (r[active] / np.linalg.norm(apart, axis=1)) ** 2
+                noise = 2 * placed * (r[active] / np.linalg.norm(apart, axis=1)) ** 2
             shrinks = (d < r[active] - TIE) & (new > 0) & (new < r[active] - 1e-16) & (noise < 1e-3)
             done = active[shrinks]
             stuck = (~shrinks) & (r[active] - d > 1e-12)

@@ -14,9 +14,10 @@ TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tight
 UNSEEN = 5e-4  # radians; a triangle with the base 2 TRIM and half of this at both ends is less than 1e-16 high
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one where the curvature
 GENTLE = 1e8  # is less than this at the end
+LASTING = 2.0  # times the curvature beyond it: what is curved by no more at an end may be no bend there, but go on
 HAIRPIN = 1e-3  # radians; what turns by less is no such bend
 TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
-SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
+SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off, nor is a part of a bend that goes on
 BARELY = 1e-5  # radians; a disc of radius 1/2 reaches over a bend that turns by less by less than 2.5e-11
 DISTANCE, TURN, STRAIGHTNESS = range(3)  # what is asked of a point: how far it and its tangent are from another, less curvature
 HALVINGS = 60
@@ -110,7 +111,7 @@ def _tip(cp, c0, deg, rational, end, roots, n_roots):
 
 @inner
 def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
-    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off; `_stretch` brings it back to its vertex.
+    """Where a Bezier begins (end = 0) or ends (end = 1) when a bend there is cut off (`chain.stretch` brings it back).
 
     Font tools leave handles of a few roundings in any direction: the curve sets out along the handle and turns back at once. So
     does one that stands still there, or hardly moves, where the weights of the next control points differ by decades.
@@ -127,16 +128,18 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
     if 0 <= beyond < n_roots:
         far = roots[beyond]
     far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), near, far)[1]
+    peak = curvature_at(cp, c0, deg, rational, near)
+    rest_k = curvature_at(cp, c0, deg, rational, far)
     turn = total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end)))
     if handle == 0.0:
         turn = max(turn, _turn_at_rest(cp, c0, deg, rational, end, far, noise))
-    if turn <= HAIRPIN:
+    lasts = tip < 0 and abs(peak) < LASTING * abs(rest_k)
+    if turn <= (SLIGHT if lasts else HAIRPIN):
         return float(end)
     # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either, but
     # if it turns by so little that no disc, with contacts this near to each other, tells it from none
-    if 0.0 < curvature_at(cp, c0, deg, rational, far) * TRIM < 1.0 and curvature_at(cp, c0, deg, rational, near) > 0.0:
+    if peak > 0.0 and 0.0 < rest_k * TRIM < 1.0:
         rest = passing(STRAIGHTNESS, -1.0 / TRIM, cp, c0, deg, rational, float(end), near, far)[1]
-        peak = curvature_at(cp, c0, deg, rational, near)
         if peak * TRIM < 1.0 or turn_between(cp, c0, deg, rational, rest, far) > UNSEEN:
             far = rest
     return far

@@ -1,9 +1,12 @@
-"""Pieces in a row: the columns of their tables, where each starts, and that they go on in one direction at a smooth knot."""
+"""Pieces in a row: the columns of their tables, where each starts, and how they meet and go on where the boundary is smooth."""
 
 from __future__ import annotations
 
+import math
+
 from mat_core.boundary.bends import TRIM
 from mat_core.kernels.bezier import add_closely
+from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import SPIRAL
 
@@ -18,6 +21,7 @@ PI_WIDTH = 7
 PF_WIDTH = 16
 
 AT_PEAK = 0.99  # of 1 / TRIM, the curvature that a convex bend is cut off at elsewhere
+SWAY = 1e-4  # of curvature: what an end of a piece is moved by, over its squared length; by more it would sway, and is sheared
 SAME_WAY = 0.995  # cosine of the angle at a knot of a curve that does not stand still there: rounding turns it by less
 
 
@@ -33,6 +37,34 @@ def longest_of(cp, deg, pieces_i, first, count):
             most = size
             longest = p
     return longest
+
+
+@inner
+def cut_off(cp, c0, deg, rational, begin, end):
+    """(x, y): the way along what is cut off of a Bezier outside [begin, end]."""
+    ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
+    bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, end, cp[c0 + deg, 0], cp[c0 + deg, 1])
+    return ax - bx, ay - by
+
+
+@inner
+def stretch(cp, target, deg, x, y, most):
+    """Let the piece in rows target.. end by (x, y), what was cut off of its Bezier, farther on: its pieces meet the vertices.
+
+    A piece that ended beside its vertex was in two places, seen from either end. Its tangents stay what they are where it meets
+    others, its curvatures, too, if its degree allows: a kink of 1e-12 there turned the axis away from the leaf of the joint. One
+    so short that it would sway is sheared; False if it would lean by more than `most`, in radians, and stays as it is.
+    """
+    length = math.sqrt(cp[target + deg, 0] ** 2 + cp[target + deg, 1] ** 2)
+    way = abs(x) + abs(y)
+    if way > most * length:
+        return False
+    kept = min(2, (deg - 1) // 2) if way <= SWAY * length * length else 0
+    for i in range(kept + 1, deg + 1):
+        share = min((i - kept) / (deg - 2.0 * kept), 1.0)
+        cp[target + i, 0] += share * x
+        cp[target + i, 1] += share * y
+    return True
 
 
 @inner

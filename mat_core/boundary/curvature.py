@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 
+from mat_core.boundary.bends import curvature_at
 from mat_core.boundary.parts import SHORT, SMALLEST_PART, extent, place_part
 from mat_core.kernels.bernstein import add_product, clear_row, first_sign, last_sign, scale_row, sign_changes
 from mat_core.kernels.curve import bezier_frame
@@ -66,7 +67,10 @@ def _determinant(table, d, higher, out):
 
 @inner
 def _at_cusp(cp, c0, deg, rational, s):
-    """The zero of the speed near s, if there is one: there N has a triple zero, C'.C'' a simple one."""
+    """The zero of the speed near s, if there is one: there N has a triple zero, C'.C'' a simple one.
+
+    A curve that hardly moves at an end may have a peak of its curvature beside that; beside a cusp the curvature has none.
+    """
     at = s
     largest = 0.0
     for _ in range(6):
@@ -79,7 +83,12 @@ def _at_cusp(cp, c0, deg, rational, s):
         if abs(at - s) > 1e-3:
             return s
     x, y, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, at, 0.0, 0.0)
-    return at if math.sqrt(x1 * x1 + y1 * y1) <= 1e-11 * largest and 0.0 < at < 1.0 else s
+    if not 0.0 < at < 1.0 or math.sqrt(x1 * x1 + y1 * y1) > 1e-11 * largest:
+        return s
+    inner_k = curvature_at(cp, c0, deg, rational, at + 0.5 * (s - at))
+    k = curvature_at(cp, c0, deg, rational, s)
+    outer_k = curvature_at(cp, c0, deg, rational, min(max(at + 2.0 * (s - at), 0.0), 1.0))
+    return s if (k - inner_k) * (k - outer_k) > 0.0 else at
 
 
 @inner

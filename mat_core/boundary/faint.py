@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 
 from mat_core.boundary.bends import STRAIGHTNESS, TURN, curvature_at, passing, turn_between
-from mat_core.boundary.parts import apart, from_nearest
+from mat_core.boundary.parts import SHORT, apart, from_nearest
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import CP0, DEG, K0, K1, KIND, RATIONAL, SPIRAL, TX0, TX1, TY0, TY1
 
@@ -39,16 +39,19 @@ def _is_faint(turn, width):
 
 
 @inner
-def before_rise(cp, c0, deg, begin, end):
+def before_rise(cp, c0, deg, begin, end, rounding):
     """`end` of a part of a rational Bezier from `begin` on, or where the faint rise begins that it lies in.
 
     Such a rise has a joint at its peak already: cut anywhere else, too, it would be two, whose pieces tell nothing of each other.
+    A part that begins with the rise goes on to its end all the same.
     """
     beyond = min(end + (end - begin), 1.0)
     beside = max(curvature_at(cp, c0, deg, 1, begin), curvature_at(cp, c0, deg, 1, beyond))
     if beside > LEAST or not curvature_at(cp, c0, deg, 1, end) > LEAST:
         return end
     first = passing(STRAIGHTNESS, -LEAST, cp, c0, deg, 1, end, end, begin)[1]
+    if apart(cp, c0, deg, 1, begin, first) <= SHORT * rounding:
+        return end
     last = passing(STRAIGHTNESS, -LEAST, cp, c0, deg, 1, end, end, beyond)[1]
     turn = turn_between(cp, c0, deg, 1, first, last)
     back = passing(TURN, turn, cp, c0, deg, 1, first, first, begin)[1]

@@ -30,23 +30,23 @@ from mat_core.boundary.chain import (
     P_UB,
     PLAIN,
     chain,
+    cut_off,
     go_on,
     handle,
     longest_of,
+    stretch,
 )
 from mat_core.boundary.curvature import circle_of, curvature_changes
 from mat_core.boundary.faint import before_rise
 from mat_core.boundary.joints import end_frame
 from mat_core.boundary.parts import SHORT, UNEVEN, about_nearest, even_end, extent, from_nearest, place_part
 from mat_core.kernels.bezier import balance, unevenness
-from mat_core.kernels.curve import bezier_frame
 from mat_core.kernels.jit import inner
 from mat_core.kernels.layout import ARC, LINE, SPIRAL
 
 MAX_TURN = 1.65  # a little over a right angle, so that quarter turns stay whole
 SHORTEST = 1e-9  # of the parameter; what is shorter is not halved, however much it turns
 LEAN = 1e-3  # radians; a piece that would lean by more is too short to make up for what was cut off
-SWAY = 1e-4  # of curvature: what an end of a piece is moved by, over its squared length; by more it would sway, and is sheared
 ROOT_GAP = 1e-12  # cuts nearer than this to an end or to each other (in the parameter) are one
 
 
@@ -93,39 +93,11 @@ def _part_frames(cp, c0, deg, rational, begin, end, target, noise, pieces_f, row
 
 
 @inner
-def _cut_off(cp, c0, deg, rational, begin, end):
-    """(x, y): the way along what is cut off of a Bezier outside [begin, end]."""
-    ax, ay, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, begin, cp[c0, 0], cp[c0, 1])
-    bx, by, x1, y1, x2, y2 = bezier_frame(cp, c0, deg, rational, end, cp[c0 + deg, 0], cp[c0 + deg, 1])
-    return ax - bx, ay - by
-
-
-@inner
 def _cut_kind(cp, c0, deg, rational, end, at, roots, n_roots):
     """CUT_OFF or CUT_WITH_PEAK where a Bezier begins or ends at the parameter `at`, PLAIN where that is its own end."""
     if at == float(end):
         return PLAIN
     return CUT_WITH_PEAK if is_cut_with_peak(cp, c0, deg, rational, end, at, roots, n_roots) else CUT_OFF
-
-
-@inner
-def _stretch(cp, target, deg, x, y, most):
-    """Let the piece in rows target.. end by (x, y), what was cut off of its Bezier, farther on: its pieces meet the vertices.
-
-    A piece that ended beside its vertex was in two places, seen from either end. Its tangents stay what they are where it meets
-    others, its curvatures, too, if its degree allows: a kink of 1e-12 there turned the axis away from the leaf of the joint. One
-    so short that it would sway is sheared; False if it would lean by more than `most`, in radians, and stays as it is.
-    """
-    length = math.sqrt(cp[target + deg, 0] ** 2 + cp[target + deg, 1] ** 2)
-    way = abs(x) + abs(y)
-    if way > most * length:
-        return False
-    kept = min(2, (deg - 1) // 2) if way <= SWAY * length * length else 0
-    for i in range(kept + 1, deg + 1):
-        share = min((i - kept) / (deg - 2.0 * kept), 1.0)
-        cp[target + i, 0] += share * x
-        cp[target + i, 1] += share * y
-    return True
 
 
 @inner
@@ -231,8 +203,8 @@ def _cut_bezier(cp, c0, deg, rational, bent, edge, span, ua, ub, skew, cp_used, 
         ends = _take_extreme(cp, c0, deg, rational, 1, roots, n_roots, pieces_f, count - 1, rounding)
     off_x = off_y = 0.0
     if begins < EXTREME or ends < EXTREME:
-        off_x, off_y = _cut_off(cp, c0, deg, rational, start, last)
-        if _stretch(cp, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0], deg, off_x, off_y, LEAN):
+        off_x, off_y = cut_off(cp, c0, deg, rational, start, last)
+        if stretch(cp, pieces_i[longest_of(cp, deg, pieces_i, first, count), P_CP0], deg, off_x, off_y, LEAN):
             off_x = off_y = 0.0
     return count, cp_used, begins, ends, off_x, off_y
 
@@ -275,7 +247,8 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                     if about + deg + 1 > cp.shape[0]:
                         return -1, cp_used
                     about_nearest(cp, cp_low, c0, deg, begin, about)
-                    end = before_rise(cp, about, deg, begin, even_end(cp, about, deg, begin, end, table, part, rounding))
+                    end = even_end(cp, about, deg, begin, end, table, part, rounding)
+                    end = before_rise(cp, about, deg, begin, end, rounding)
                     place_part(cp, about, deg, 1, begin, end, table, part)
                     before = skew * begin + (1.0 - begin)
                     after = skew * end + (1.0 - end)
@@ -303,7 +276,7 @@ def cut_beziers(bez_i, bez_f, bez_loop_start, cp, cp_low, cp_used, pieces_i, pie
                 u_begin = u_end
             longest = longest_of(cp, deg, pieces_i, first, count)
             if off_x != 0.0 or off_y != 0.0:
-                _stretch(cp, pieces_i[longest, P_CP0], deg, off_x, off_y, math.inf)
+                stretch(cp, pieces_i[longest, P_CP0], deg, off_x, off_y, math.inf)
             chain(cp, cp_low, bez_f, b, c0 + deg, pieces_i, pieces_f, first, longest, count)
         piece_loop_start[loop + 1] = count
     return count, cp_used

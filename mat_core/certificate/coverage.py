@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 
+from mat_core.certificate.lengths import length_of_part
 from mat_core.certificate.report import BOUNDARY, COVERAGE, NEIGHBOURS, TURNING, WHOLE_ARCS, fault, made, worst
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
@@ -20,7 +21,6 @@ from mat_core.kernels.layout import (
     ARC,
     CONVEX_VERTEX,
     CORNER,
-    FAN,
     K0,
     K1,
     KIND,
@@ -43,7 +43,6 @@ from mat_core.kernels.layout import (
 from mat_core.kernels.sorting import sort
 
 NEARLY_SMOOTH = 0.1  # a joint without a vertex turns by less than this
-LONGER = 1.5  # times its chord: no curve is that turns by 1.65 or less, as pieces do (`boundary.pieces`): 1 / cos(0.825) = 1.47
 
 
 @inner
@@ -187,17 +186,15 @@ def check_coverage(t, k, first, order, figures):
             worst(figures, COVERAGE, max(sf[i, LEN], abs(sf[i, SWEEP])), x, y)
             fault(figures, NEIGHBOURS, 1, x, y)
             continue
-        length = sf[i, LEN]
         reached = 0.0
+        radius = 0.0
         for place in range(first[i], first[i + 1]):
             site, lo, hi, disc_lo, disc_hi = owned(k, order[place])
-            # a length for a part of a site: on a fan that of the way of the disc's centre
-            if si[i, KIND] == FAN:
-                length = abs(sf[i, SWEEP]) * k.disc[disc_lo, 2]
-            worst(figures, COVERAGE, abs(lo - reached) * length, x, y)
-            worst(figures, COVERAGE, (lo - hi) * length, x, y)
+            radius = k.disc[disc_lo, 2]
+            worst(figures, COVERAGE, 0.0 if lo == reached else length_of_part(t, i, reached, lo, radius), x, y)
+            worst(figures, COVERAGE, 0.0 if lo <= hi else length_of_part(t, i, hi, lo, radius), x, y)
             reached = hi
-        worst(figures, COVERAGE, abs(1.0 - reached) * length, sf[i, X1], sf[i, Y1])
+        worst(figures, COVERAGE, 0.0 if reached == 1.0 else length_of_part(t, i, reached, 1.0, radius), sf[i, X1], sf[i, Y1])
     fault(figures, NEIGHBOURS, 0, 0.0, 0.0)
     for i in range(si.shape[0] if bare == 0 else 0):
         for place in range(first[i], first[i + 1]):
@@ -205,24 +202,6 @@ def check_coverage(t, k, first, order, figures):
             disc = owned(k, order[place])[4]
             if disc != owned(k, order[following])[3]:
                 fault(figures, NEIGHBOURS, 1, k.disc[disc, 0], k.disc[disc, 1])
-
-
-@inner
-def _spiral_length(t, i, begin, end):
-    """No less than the length of a part of a spiral, whose speed may change by decades: from the chords of its halves.
-
-    Where the directions of a curve lie within an angle a, it is no longer than its chord over cos(a / 2).
-    """
-    ox = t.sf[i, X0] if begin + end < 1.0 else t.sf[i, X1]
-    oy = t.sf[i, Y0] if begin + end < 1.0 else t.sf[i, Y1]
-    length = px = py = 0.0
-    for step in range(3):
-        x, y, tx, ty, curvature, speed = evaluate(t.si, t.sf, t.cp, i, begin + 0.5 * step * (end - begin), ox, oy)
-        if step > 0:
-            length += math.sqrt((x - px) * (x - px) + (y - py) * (y - py))
-        px = x
-        py = y
-    return LONGER * length
 
 
 @inner
@@ -261,5 +240,5 @@ def check_whole(t, k, figures):
                 if not missing <= off:
                     off = missing
             off += rise
-        length = _spiral_length(t, i, begin, k.whole_s[m, 1]) if t.si[i, KIND] == SPIRAL else share * sf[i, LEN]
+        length = length_of_part(t, i, begin, k.whole_s[m, 1], r)
         worst(figures, WHOLE_ARCS, length if off > length else off, x, y)

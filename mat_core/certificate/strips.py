@@ -32,6 +32,7 @@ from __future__ import annotations
 import math
 
 from mat_core.certificate.discs import missed
+from mat_core.certificate.lengths import length_of_part
 from mat_core.certificate.report import CURVES_EMPTY, CURVES_ON_AXIS, PARTNERS_LEFT, PARTNERS_RIGHT, worst
 from mat_core.kernels.curve import evaluate
 from mat_core.kernels.jit import inner
@@ -40,7 +41,7 @@ from mat_core.kernels.judge_ball import ball
 from mat_core.kernels.judge_boxes import leaves_near, stretch
 from mat_core.kernels.judge_foot import CLOSE, distance_from
 from mat_core.kernels.judge_spline import spline_value
-from mat_core.kernels.layout import FAN, KIND, LEN, SPIRAL, SWEEP
+from mat_core.kernels.layout import FAN, KIND, SPIRAL
 
 ANEW = (0.44, 0.59)  # where in a strip, on its right and on its left side, discs are found anew
 SAMPLES = (0.057, 0.894, 0.281, 0.473, 0.726)  # of a piece; at places of no symmetry, so not at those of a fit
@@ -160,14 +161,6 @@ def _depth(t, boxes, count, row, i0, s0, i1, s1):
 
 
 @inner
-def _width(t, k, strip, side, radius):
-    """Length of a strip's side."""
-    i = k.strip_i[strip, side]
-    whole = abs(t.sf[i, SWEEP]) * radius if t.si[i, KIND] == FAN else t.sf[i, LEN]
-    return whole * abs(k.strip_s[strip, 2 * side + 1] - k.strip_s[strip, 2 * side])
-
-
-@inner
 def _sides(t, k, strip, radius):
     """(right, left): from which sides a disc is found anew; of a strip that has an inside, those that have a length."""
     d0 = k.strip_i[strip, 2]
@@ -182,8 +175,8 @@ def _sides(t, k, strip, radius):
         little = little and (fan or abs(s[strip, 2 * side + 1] - s[strip, 2 * side]) <= 0.5)
     if little:
         return False, False
-    right = _width(t, k, strip, 0, radius) > NO_SIDE
-    left = _width(t, k, strip, 1, radius) > NO_SIDE
+    right = length_of_part(t, k.strip_i[strip, 0], s[strip, 0], s[strip, 1], radius) > NO_SIDE
+    left = length_of_part(t, k.strip_i[strip, 1], s[strip, 2], s[strip, 3], radius) > NO_SIDE
     neither = not right and not left
     return right or neither, left or neither
 

@@ -9,8 +9,11 @@ Coordinates are normalised: size in [0.5, 1] about the origin. Piece tables (`ma
 from XMIN on):
 
     pi (n, 4) int64     DEG, CP0 first control row, LOOP, EDGE
-    pf (n, 8) float64   UA, UB parameter range on the edge; XMIN, YMIN, XMAX, YMAX control box; LEN length of its
-                        control legs; CUM the sum of LEN from the loop's first piece to this one
+    pf (n, 9) float64   UA, UB parameter range on the edge; XMIN, YMIN, XMAX, YMAX control box; LEN length of its
+                        control legs; CUM the sum of LEN from the loop's first piece to this one; PACE q of a line, on
+                        which t counts along the chord: the edge's parameter there is UA + (UB - UA) q t / (q t + 1 - t)
+
+A line's weights tell its pace only, and are 1 here: beside a heavy end the narrowest range would still be long.
 
 Wherever a parameter range is subdivided, the ranges still to do lie on `stack`, one a row.
 """
@@ -23,7 +26,8 @@ from mat_core.kernels.bezier import Floats, Ints, decompose, restrict, unevennes
 from mat_core.kernels.jit import inner
 
 DEG, CP0, LOOP, EDGE = 0, 1, 2, 3
-UA, UB, XMIN, YMIN, XMAX, YMAX, LEN, CUM = 0, 1, 2, 3, 4, 5, 6, 7
+UA, UB, XMIN, YMIN, XMAX, YMAX, LEN, CUM, PACE = 0, 1, 2, 3, 4, 5, 6, 7, 8
+PF_WIDTH = 9
 
 SPECK = 1e-12  # a piece this small is kept however it turns: below what counts as touching
 NOTHING = 1e-15  # control legs this short have no direction: the rounding of normalised coordinates
@@ -132,6 +136,11 @@ def cut_gently(
                     for i in range(p + 1):
                         for c in range(3):
                             pcp[used + i, c] = work[scratch + i, c]
+                    pf[n, PACE] = 1.0
+                    if p == 1:
+                        pf[n, PACE] = pcp[used, 2] / pcp[used + 1, 2]
+                        pcp[used, 2] = 1.0
+                        pcp[used + 1, 2] = 1.0
                     if n > first:
                         pcp[used, 0] = pcp[used - 1, 0]
                         pcp[used, 1] = pcp[used - 1, 1]

@@ -182,13 +182,13 @@ def _bracket(si, sf, cp, j, ox, oy, dpx, dpy, lo, ax, ay, tax, tay, ka, pa, wa, 
 
 @pasted
 def _inverted(si, sf, cp, j, s, ox, oy, dpx, dpy):
-    """D at s, with both derivatives of the site and the direction of T'."""
+    """D at s and |D|^2, both derivatives of the site and |C'|^2, the direction of T'."""
     x, y, x1, y1, x2, y2 = site_frame(si, sf, cp, j, s, ox, oy)
     dx = x - dpx
     dy = y - dpy
     dd = dx * dx + dy * dy
     along = 2.0 * (dx * x1 + dy * y1)
-    return dx, dy, x1, y1, x2, y2, x1 * dd - along * dx, y1 * dd - along * dy
+    return dx, dy, dd, x1, y1, x2, y2, x1 * x1 + y1 * y1, x1 * dd - along * dx, y1 * dd - along * dy
 
 
 @inner
@@ -196,9 +196,7 @@ def _root(si, sf, cp, j, ox, oy, dpx, dpy, nx, ny, wa, a, b):
     """Where psi falls through zero between a and b, by Newton's method kept inside the bracket; wa: W where the piece begins."""
     s = 0.5 * (a + b)
     for _ in range(NEWTON_STEPS):
-        dx, dy, x1, y1, x2, y2, ix, iy = _inverted(si, sf, cp, j, s, ox, oy, dpx, dpy)
-        dd = dx * dx + dy * dy
-        ss = x1 * x1 + y1 * y1
+        dx, dy, dd, x1, y1, x2, y2, ss, ix, iy = _inverted(si, sf, cp, j, s, ox, oy, dpx, dpy)
         if dd == 0.0 or ss == 0.0:
             break
         facing = nx * iy - ny * ix
@@ -229,9 +227,7 @@ def summit(si, sf, cp, j, lo, hi, guess, ox, oy, dpx, dpy, nx, ny, near):
     """
     s = guess
     for _ in range(SUMMIT_STEPS):
-        dx, dy, x1, y1, x2, y2, ix, iy = _inverted(si, sf, cp, j, s, ox, oy, dpx, dpy)
-        dd = dx * dx + dy * dy
-        ss = x1 * x1 + y1 * y1
+        dx, dy, dd, x1, y1, x2, y2, ss, ix, iy = _inverted(si, sf, cp, j, s, ox, oy, dpx, dpy)
         if dd == 0.0 or ss == 0.0:
             break
         facing = nx * iy - ny * ix

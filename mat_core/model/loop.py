@@ -81,7 +81,7 @@ class Outline(NamedTuple):
 
     frame: Frame
     pi: NDArray[np.int64]  # (n, 4)
-    pf: NDArray[np.float64]  # (n, 8)
+    pf: NDArray[np.float64]  # (n, PF_WIDTH)
     cp: NDArray[np.float64]  # (m, 3) normalised control points x, y, weight
     piece_start: NDArray[np.int64]  # (L + 1,); a loop not in use has no pieces
     measures: NDArray[np.float64]  # (L, MEASURES) of each loop, see `mat_core.kernels.measuring`
@@ -124,6 +124,12 @@ class Outline(NamedTuple):
     def _can_halve(self, piece: NDArray[np.int64]) -> bool:
         """Whether some of these parts of pieces are bent, and they are not too many already."""
         return len(piece) <= MOST_PARTS * len(self.pi) // 2 and bool((self.pi[:, columns.DEG] > 1).any())
+
+    def parameter(self, piece: int, t: float) -> float:
+        """The edge's parameter at t of a piece."""
+        row = self.pf[piece]
+        pace = float(row[columns.PACE]) * t
+        return float(row[columns.UA] + pace / (pace + 1.0 - t) * (row[columns.UB] - row[columns.UA]))
 
     def first_points(self, loops: NDArray[np.int64] | int) -> NDArray[np.float64]:
         """Where loops in use begin, normalised: (2,) of one, (K, 2) of several."""
@@ -198,7 +204,7 @@ def outline_of(arrays: BoundaryArrays, use_loop: NDArray[np.int64], frame: Frame
     factor = 2  # most curves need one or two pieces a span; the loop below copes with the others
     while True:
         pi = np.empty((factor * (beziers + 8), 4), dtype=np.int64)
-        pf = np.empty((len(pi), 8))
+        pf = np.empty((len(pi), columns.PF_WIDTH))
         pcp = np.empty((factor * (rows + 8 * columns.BLOCK), 3))
         n = draw_outline(
             use_loop, *arrays[:-1], *frame.origin, frame.scale, moved, pi, pf, pcp, piece_start, measures, work, breaks, stack

@@ -197,8 +197,7 @@ def _describe(outline: Outline, draft: Draft, meeting: Meeting) -> Problem:
     ends = []
     for piece, t in zip(meeting.pieces, meeting.t, strict=True):
         row = outline.pi[piece]
-        ua, ub = outline.pf[piece, : columns.UB + 1].tolist()
-        ends.append((int(row[columns.LOOP]), int(draft.edge_of[row[columns.EDGE]]), ua + t * (ub - ua)))
+        ends.append((int(row[columns.LOOP]), int(draft.edge_of[row[columns.EDGE]]), outline.parameter(piece, t)))
     # The pointer goes to the later loop: a hole is in the way of the outer loop, not the other way round.
     ends.sort(key=lambda end: (-end[0], end[1]))
     (loop, edge, u), (other_loop, other_edge, other_u) = ends

@@ -10,13 +10,11 @@ from typing import Any
 import pytest
 
 from mat_core import Domain, medial_axis
-from mat_core.errors import NotCertified
 from mat_core.tolerances import LADDER
 from tests.assertions import assert_axis, node_counts
 from tests.axis.test_oracle import corpus
 
 REGRESSIONS = corpus("regressions.jsonl.gz")
-UNCERTIFIED = corpus("uncertified.jsonl.gz")  # not cured yet: weights of ten decades
 # what went wrong lies below what the oracle can see: contacts and corners nearer to each other than 1e-8, or flatter than 1e-6,
 # coordinates of 1e6, points that lie between two parameters
 UNSEEN = {
@@ -48,14 +46,6 @@ def test_stays_cured(domain: dict[str, Any]) -> None:
     assert node_counts(answer)[0] == truth.get("leaves", node_counts(answer)[0])
     if domain["name"] not in UNSEEN:
         assert_axis(domain, answer)
-
-
-@pytest.mark.parametrize("domain", UNCERTIFIED, ids=[d["name"] for d in UNCERTIFIED])
-def test_what_is_not_cured_is_an_honest_error(domain: dict[str, Any]) -> None:
-    # one that is certified some day moves to the regressions
-    with pytest.raises(NotCertified) as told:
-        medial_axis(Domain.from_dict(domain))
-    assert told.value.place is not None
 
 
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-11, 1e-12])

@@ -10,7 +10,7 @@ from typing import Any
 
 from tests.load.client import Answer, connected
 from tests.load.crowd import crowd
-from tests.load.drive import Tally, busy, health, paced, problem_code
+from tests.load.drive import HEALTH_SECONDS, Tally, busy, health, paced, problem_code
 from tests.load.report import Report, quantile
 from tests.load.scale import Scale
 from tests.load.server import serving
@@ -19,7 +19,6 @@ from tests.load.traffic import endless, huge, small
 PAUSE_AFTER_REFUSAL = 0.2
 LET_IN_SECONDS = 0.5
 BEGUN = b"was stopped"  # what is told to one that was let in, took long, and found no room in the next lane
-HEALTH_SECONDS = 0.05
 REFUSAL_SECONDS = 0.05
 LATE_SECONDS = 0.25
 RATIO = 3.0

@@ -18,6 +18,8 @@ STUCK_SECONDS = 60.0
 """A request without an answer for so long, which is longer than any deadline here, is stuck."""
 
 HEALTH_PAUSE = 0.02
+HEALTH_SECONDS = 0.05
+"""Within which /healthz answers, whatever else is asked."""
 
 
 @dataclass

@@ -20,12 +20,11 @@ import sys
 
 from tests.load.aside import aside, begin, tell
 from tests.load.client import connected, head
-from tests.load.drive import health
+from tests.load.drive import HEALTH_SECONDS, health
 from tests.load.report import Report, quantile
 from tests.load.scale import Scale
 from tests.load.server import serving
 
-HEALTH_SECONDS = 0.05
 KINDS = {"together": 20, "storm": 500, "crumbs": 20, "heaps": 8}
 """How many clients of each kind there are."""
 

@@ -39,6 +39,13 @@ def test_curve_crosses_line() -> None:
     assert problem.u == NEAR(2 / 7, abs=1e-9)
 
 
+def test_where_a_line_is_crossed_its_weights_tell_the_parameter() -> None:
+    lines = polygon((-1, -1), (1, 1), (1, -1), (-1, 1))
+    (problem,) = refuse([lines[0] | {"weights": [1e-4, 1e4]}, *lines[1:]])
+    assert (problem.x, problem.y) == (NEAR(0), NEAR(0))
+    assert problem.u == NEAR(1e-8, rel=1e-7)
+
+
 def test_loop_touches_itself_at_a_vertex() -> None:
     (problem,) = refuse(polygon((0, 0), (1, 1), (2, 0), (2, 2), (1, 1), (0, 2)))
     assert problem.code == "self-intersection"

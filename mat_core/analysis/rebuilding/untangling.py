@@ -157,8 +157,8 @@ def _without_rounds(
 def _place(outline: Outline, piece: int, t: float, first: int) -> _Place:
     """Where on its loop t of a gentle piece is."""
     row = outline.pf[piece]
-    u = float(row[columns.UA] + t * (row[columns.UB] - row[columns.UA]))
-    return _Place(int(outline.pi[piece, columns.EDGE]) - first, u, float(row[columns.CUM] + t * row[columns.LEN]))
+    along = float(row[columns.CUM] + t * row[columns.LEN])
+    return _Place(int(outline.pi[piece, columns.EDGE]) - first, outline.parameter(piece, t), along)
 
 
 def _is_error(way: Loop, error: float) -> bool:
