@@ -46,12 +46,6 @@ BEYOND_WORKERS = 1
 QUIET_SECONDS = 10.0
 """A complaint of DBOS that comes again within this time is left out; while the database is away they come with each poll."""
 
-CANCEL_SECONDS = 1.0
-"""How long work that was cancelled is waited for."""
-
-CLAIM_SECONDS = 2.0
-"""How long a claim that is being made is waited for when everything stops."""
-
 _one_a_process = threading.Lock()
 
 
@@ -124,7 +118,6 @@ class Executor:
         self._running: dict[tuple[str, int], concurrent.futures.Future[None]] = {}
         self._claimed: set[str] = set()
         self._lock = threading.Lock()
-        self._claiming = threading.Lock()  # held while the queue is looked at
         self._waker = concurrent.futures.ThreadPoolExecutor(1, thread_name_prefix="jobs-waker")
         self._closing = False
 
@@ -187,17 +180,13 @@ class Executor:
             self._waker.submit(self._claim)
 
     def _claim(self) -> None:
-        """Look at the queue, unless there is no room or everything stops."""
-        with self._claiming:
-            if self._dbos is not None and not self._closing and len(self._claimed) < self._room:
-                self._begin_next(self._dbos)
-
-    def _begin_next(self, dbos: DBOS) -> None:
         """What DBOS's own thread does with each poll: claim workflows in a transaction, then begin them.
 
         DBOS has no public way to say "look now". A claim is good whoever makes it; a failed one is left to the next poll.
-        What was claimed is begun or given back, however long the database is away meanwhile: DBOS tries for ever.
         """
+        dbos = self._dbos
+        if dbos is None or self._closing or len(self._claimed) >= self._room:
+            return
         database, token = dbos._sys_db, str(uuid.uuid4())
         claimed: list[str] = []
         try:
@@ -227,28 +216,18 @@ class Executor:
             future.cancel()
 
     def stop(self, client: DBOSClient | None) -> None:
-        """Stop everything and hand back what was begun. Blocks, for about a second where the database answers.
-
-        Raises
-        ------
-        StoreUnavailable
-            A claim is still being made, so what was claimed may not be known yet.
-        """
+        """Stop everything and hand back what was begun. Blocks, for about a second."""
         with self._lock:
             self._closing = True
             futures = list(self._running.values())
         for future in futures:
             future.cancel()
-        concurrent.futures.wait(futures, timeout=CANCEL_SECONDS)
-        self._waker.shutdown(wait=False, cancel_futures=True)
+        concurrent.futures.wait(futures, timeout=1.0)
+        self._waker.shutdown(wait=True, cancel_futures=True)
         if self._dbos is None:
             return
         try:
-            self._dbos._sys_db._retry_connection_errors = False  # else its threads try for ever while the database is away
-            claims_ended = self._claiming.acquire(timeout=CLAIM_SECONDS)  # for good: no other begins
             DBOS.destroy(destroy_registry=True)
-            if not claims_ended:
-                raise StoreUnavailable("the queue is still being looked at")
             if client is not None:
                 resume(client, self._name)
         finally:

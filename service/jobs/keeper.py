@@ -200,11 +200,10 @@ class Keeper:
 
     async def _close_in_time(self) -> None:
         """Close, unless that hangs."""
-        closing = asyncio.create_task(in_own_thread(self._close))
-        done, _ = await asyncio.wait([closing], timeout=CLOSING_SECONDS)
-        if done:
-            closing.result()
-        else:
+        try:
+            async with asyncio.timeout(CLOSING_SECONDS):
+                await in_own_thread(self._close)
+        except TimeoutError:
             _log.error("jobs could not be handed back within %g s; they go on at the next start", CLOSING_SECONDS)
 
     def _close(self) -> None:
