@@ -176,8 +176,9 @@ class Executor:
 
     def wake(self) -> None:
         """Have the queue looked at now rather than at the next poll."""
-        if not self._closing:
-            self._waker.submit(self._claim)
+        with self._lock:  # `stop` must not come between the two
+            if not self._closing:
+                self._waker.submit(self._claim)
 
     def _claim(self) -> None:
         """What DBOS's own thread does with each poll: claim workflows in a transaction, then begin them.
@@ -212,16 +213,18 @@ class Executor:
         """Stop the work on a job; its worker is killed."""
         with self._lock:
             futures = [future for (running, _), future in self._running.items() if running == job_id]
-        for future in futures:
-            future.cancel()
+        self._cancel(futures)
+
+    def _cancel(self, futures: list[concurrent.futures.Future[None]]) -> None:
+        """Cancel work in one pass of the event loop: one by one, what waits would get the worker that the first sets free."""
+        self._loop.call_soon_threadsafe(lambda: [future.cancel() for future in futures])
 
     def stop(self, client: DBOSClient | None) -> None:
         """Stop everything and hand back what was begun. Blocks, for about a second."""
         with self._lock:
             self._closing = True
             futures = list(self._running.values())
-        for future in futures:
-            future.cancel()
+        self._cancel(futures)
         concurrent.futures.wait(futures, timeout=1.0)
         self._waker.shutdown(wait=True, cancel_futures=True)
         if self._dbos is None:
