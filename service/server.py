@@ -6,7 +6,8 @@
                 requests are taken          requests in flight end       workers go, jobs are handed back
 
 A load balancer learns from /readyz that it must send requests elsewhere, and needs a moment for it: the notice. Ctrl-C needs
-none. Each further signal ends what is going on: the notice, the draining, at last the process.
+none, and each further Ctrl-C ends what is going on: the notice, the draining, at last the process. SIGTERM again changes nothing:
+machines send it, sometimes twice, and have SIGKILL for those that they will not wait for.
 
 No stage waits without a limit, and should one hang all the same (a database that neither answers nor refuses can hold any
 thread that asks it), the process ends when its time is over. What it had accepted is kept: jobs that were not handed back are
@@ -18,6 +19,7 @@ from __future__ import annotations
 import logging
 import math
 import os
+import queue
 import resource
 import signal
 import socket
@@ -42,11 +44,12 @@ BACKLOG = 2048
 """Connections that may wait to be accepted."""
 
 ENDING_SECONDS = 12.0
-"""Longest time from the end of the draining to the end of the process: jobs are handed back (`service.jobs.keeper`), workers go,
-and the last spans are sent, which take a second or two where everybody answers."""
+"""Longest time from when the draining must be over to the end of the process: jobs are handed back (`service.jobs.keeper`),
+workers go, and the last spans are sent, which take a second or two where everybody answers."""
 
 LINGER_SECONDS = 1.0
-"""How long threads are waited for when all is done; one that is left asks a database that does not answer."""
+"""How long threads are waited for when all is done; one that is left asks a database that does not answer. Also how long the
+log may take to tell of an end that was not in good order."""
 
 ACCEPTED_AT_ONCE = 16
 """Connections that are accepted in a pass of the event loop, a tenth of a millisecond each."""
@@ -78,8 +81,7 @@ class Server(uvicorn.Server):
         self._app = app
         self._notice_seconds = settings.shutdown_notice_seconds
         self._leave_at: float | None = None
-        self._end_at = math.inf
-        self._asked = threading.Event()
+        self._seconds_left = queue.SimpleQueue[float]()  # of the kind that a signal's handler may put into, wherever it runs
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to serve. To asyncio the backlog says also how many are accepted at once, so the kernel is told its own anew."""
@@ -88,17 +90,16 @@ class Server(uvicorn.Server):
             listening.listen(BACKLOG)
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Begin to leave; unlike uvicorn's own, the signal is not raised again at the end."""
+        """Begin to leave, or hurry; unlike uvicorn's own, the signal is not raised again at the end."""
         if self._leave_at is None:
             self._app.state.leaving = True
             notice = 0.0 if sig == signal.SIGINT else self._notice_seconds
             self._leave_at = time.monotonic() + notice
-            self._end_at = self._leave_at + self._drain_seconds + ENDING_SECONDS
-            self._asked.set()
+            self._seconds_left.put(notice + self._drain_seconds + ENDING_SECONDS)
             _log.info("leaving, asked to by %s", signal.Signals(sig).name)
-        elif self.force_exit:
-            os._exit(0)
-        else:
+        elif sig == signal.SIGINT:
+            if self.force_exit:
+                os._exit(0)
             self.force_exit = self.should_exit
             self.should_exit = True
 
@@ -109,9 +110,11 @@ class Server(uvicorn.Server):
         return await super().on_tick(counter)
 
     def end_in_time(self) -> None:
-        """End the process when its time is over, whatever hangs; for a thread of its own, begun before a signal can come."""
-        self._asked.wait()
-        time.sleep(max(0.0, self._end_at - time.monotonic()))
+        """End the process when its time is over, whatever hangs.
+
+        For a thread that is begun before a signal can come: a handler which begins one may wait for itself.
+        """
+        time.sleep(self._seconds_left.get() - LINGER_SECONDS)
         told = threading.Thread(target=_log.error, args=("ending now, which was not done in good order in time",), daemon=True)
         told.start()  # in a thread, as the log may be what hangs
         told.join(LINGER_SECONDS)
@@ -140,6 +143,8 @@ def run(settings: Settings, listening: socket.socket, handler: str = "service.wo
     host, port = listening.getsockname()[:2]
     _log.info("serving on http://%s:%d", f"[{host}]" if ":" in host else host, port)
     threading.Thread(target=server.end_in_time, daemon=True).start()
+    for sign in (signal.SIGINT, signal.SIGTERM):  # uvicorn's own are not there before it serves, nor while its loop is closed
+        signal.signal(sign, server.handle_exit)
     server.run(sockets=[listening])
     _leave_threads()
 

@@ -71,7 +71,7 @@ def test_every_service_of_a_command_is_one() -> None:
 
 
 def test_the_bound_of_the_end_is_the_bound() -> None:
-    assert f"gone {ENDING_SECONDS:g} s after the draining" in RUNBOOK
+    assert f"gone {ENDING_SECONDS:g} s after the time for draining" in RUNBOOK
     assert f"lease of {LEASE_SECONDS:g} s" in RUNBOOK
     assert f"gone {ENDING_SECONDS:g} s later" in README
 

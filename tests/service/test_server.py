@@ -36,17 +36,23 @@ threading.Thread(target=time.sleep, args=(3600,)).start()
 
 BLOCKED = """
 import contextlib, time
-from service import server
 from service.workers.pool import Pool
-server.ENDING_SECONDS, running = 1.0, Pool.running
+running = Pool.running
 @contextlib.asynccontextmanager
 async def never_over(pool):
-    async with running(pool):
-        yield
-    time.sleep(3600)
+    try:
+        async with running(pool):
+            yield
+    finally:
+        time.sleep(3600)
 Pool.running = never_over
 """
 """An end of the service that blocks the event loop."""
+
+SOON = """
+from service import server
+server.ENDING_SECONDS = 2.0
+"""
 
 JSON = {"Content-Type": "application/json"}
 Serving = tuple[subprocess.Popen[bytes], str]
@@ -125,24 +131,54 @@ def test_what_does_not_end_in_time_is_killed(tmp_path: Path) -> None:
     eventually(lambda: not any(alive(pid) for pid in below))
 
 
-@pytest.mark.parametrize(
-    "signals",
-    [[signal.SIGINT] * 2, [signal.SIGTERM] * 3, [signal.SIGINT, signal.SIGTERM]],
-    ids=["Ctrl-C needs no notice", "SIGTERM", "both"],
-)
-def test_a_further_signal_ends_the_notice_and_one_more_the_draining(tmp_path: Path, signals: list[signal.Signals]) -> None:
+def refuses(address: str) -> bool:
+    """Whether nobody listens any more: what is in flight is being drained."""
+    try:
+        httpx2.get(f"{address}/healthz")
+    except httpx2.TransportError:
+        return True
+    return False
+
+
+@pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGTERM, signal.SIGINT]], ids=["at first", "after SIGTERM"])
+def test_ctrl_c_needs_no_notice_and_a_further_one_no_draining(tmp_path: Path, signals: list[signal.Signals]) -> None:
     with serving(tmp_path, MAT_SHUTDOWN_NOTICE_SECONDS="30", MAT_SHUTDOWN_DRAIN_SECONDS="30") as (process, address):
         below = descendants(process.pid)
         request = InFlight(address, 25.0)
         for sign in signals:
             process.send_signal(sign)
-            time.sleep(0.5)
+        eventually(lambda: refuses(address))
+        process.send_signal(signal.SIGINT)
         assert process.wait(20) == 0
         request.join()
     eventually(lambda: not any(alive(pid) for pid in below))
 
 
-@pytest.mark.parametrize("before", [HANGING, BLOCKED], ids=["a thread", "the event loop"])
+def test_one_more_ctrl_c_ends_the_process_whatever_it_does(tmp_path: Path) -> None:
+    with serving(tmp_path, BLOCKED, MAT_SHUTDOWN_DRAIN_SECONDS="60") as (process, address):
+        below = descendants(process.pid)
+        request = InFlight(address, 60.0)
+        end = time.monotonic() + 20
+        while process.poll() is None and time.monotonic() < end:
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.5)
+        assert process.returncode == 0
+        request.join()
+    eventually(lambda: not any(alive(pid) for pid in below))
+
+
+def test_sigterm_may_be_sent_again_and_again(tmp_path: Path) -> None:
+    with serving(tmp_path, MAT_SHUTDOWN_DRAIN_SECONDS="30") as (process, address):
+        request = InFlight(address, 3.0)
+        while process.poll() is None:
+            process.send_signal(signal.SIGTERM)
+            time.sleep(0.1)
+        assert process.returncode == 0
+        request.join()
+        assert request.outcome == 200
+
+
+@pytest.mark.parametrize("before", [HANGING, SOON + BLOCKED], ids=["a thread", "the event loop"])
 def test_a_server_in_which_something_hangs_ends_in_time_all_the_same(tmp_path: Path, before: str) -> None:
     with serving(tmp_path, before, MAT_SHUTDOWN_DRAIN_SECONDS="1") as (process, _):
         below = descendants(process.pid)

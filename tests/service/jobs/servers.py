@@ -22,9 +22,6 @@ from tests.service.live import ROOT, free_port, wait_until_ready
 
 DRAIN_SECONDS = 5
 
-PAUSE_SECONDS = 0.5
-"""Between two signals: the server sees each by itself, and has ended what the one before it was for."""
-
 NOISE_SECONDS = 10.0
 """What a busy machine may add to the time in which a server has promised to end."""
 
@@ -58,14 +55,12 @@ class Server:
             self._process.wait()
             self._process = None
 
-    def stop(self, signals: int = 1) -> float:
+    def stop(self) -> float:
         """Ask it to end, which it must do by itself, with code 0 and in the time that it has promised; the seconds it took."""
         begun = time.monotonic()
         if self._process is not None:
             try:
-                for _ in range(signals):
-                    self._process.send_signal(signal.SIGTERM)
-                    time.sleep(PAUSE_SECONDS)
+                self._process.send_signal(signal.SIGTERM)
                 assert self._process.wait(DRAIN_SECONDS + ENDING_SECONDS + NOISE_SECONDS) == 0
             finally:
                 self.kill()
