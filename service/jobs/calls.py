@@ -22,6 +22,10 @@ THREADS = 8
 ANSWER_SECONDS = 5.0
 """A question that takes longer counts as not answered; what it changes may still happen."""
 
+MUCH_SECONDS = 30.0
+"""The same for a call that changes many rows or files: longer than the database lets one of its statements take
+(`service.jobs.engine`), and no longer than most clients wait."""
+
 RETRY_SECONDS = 0.5
 """Pause of work that must be recorded, while it cannot be."""
 
@@ -52,6 +56,10 @@ class Calls:
 
     async def ask_much(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """Like `ask`, for a call that changes many rows or files and takes its time."""
+        return await self._call(MUCH_SECONDS, partial(function, *args, **kwargs))
+
+    async def ask_long(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Like `ask`, for a call that nobody waits for and that takes as long as there are files."""
         return await self._call(None, partial(function, *args, **kwargs))
 
     async def file(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:

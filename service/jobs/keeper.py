@@ -253,7 +253,7 @@ class Keeper:
             if await self.calls.ask(self._given_up, job.id):
                 await self.calls.ask(store.finish, job.id, "failed", "internal-error: begun too often, never ended.")
         if strays:
-            await self.calls.ask_much(self.blobs.sweep, store.referenced)
+            await self.calls.ask_long(self.blobs.sweep, store.referenced)
 
     def _workflows(self, job_id: str, **more: Any) -> list[Any]:
         assert self._client is not None, "there is a store"

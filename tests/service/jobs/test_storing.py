@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,9 @@ import pytest
 from starlette.testclient import TestClient
 
 from service.app import create_app
-from service.jobs import executor, work
+from service.jobs import calls, executor, work
 from service.jobs.blobs import Blobs
-from service.jobs.store import CHUNKS_AHEAD
+from service.jobs.store import CHUNKS_AHEAD, Store
 from service.settings import Settings
 from tests.service.jobs.test_routes import HANDLER, post, send, until
 from tests.service.processes import eventually
@@ -39,6 +40,28 @@ def test_what_cannot_be_stored_is_refused(client: TestClient, monkeypatch: pytes
         problem(send(client, b"{}\n"), "store-unavailable")
     assert client.get("/v1/jobs").json()["jobs"] == []
     until(client, post(client, {}).json()["jobID"], "successful")
+
+
+@pytest.mark.parametrize("batch", [False, True], ids=["one domain", "a batch"])
+def test_a_job_that_the_database_does_not_take_in_time_is_refused_and_not_made_twice(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch, batch: bool
+) -> None:
+    def make() -> Any:
+        key = {"Idempotency-Key": f"late {batch}"}
+        return send(client, b"{}\n", **key) if batch else post(client, {}, **key)
+
+    before = len(client.get("/v1/jobs").json()["jobs"])
+    insert, thawed = Store.insert, threading.Event()
+    with monkeypatch.context() as patch:
+        patch.setattr(calls, "MUCH_SECONDS", 0.2)
+        patch.setattr(Store, "insert", lambda *given: thawed.wait() and insert(*given))
+        try:
+            problem(make(), "store-unavailable")
+        finally:
+            thawed.set()
+    eventually(lambda: len(client.get("/v1/jobs").json()["jobs"]) == before + 1)
+    until(client, make().json()["jobID"], "successful")
+    assert len(client.get("/v1/jobs").json()["jobs"]) == before + 1
 
 
 def test_a_result_that_cannot_be_stored_is_tried_again(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
