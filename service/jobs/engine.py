@@ -12,11 +12,11 @@ STATEMENT_SECONDS = 10
 """No question of this module takes long; a longer wait means that the database is in trouble."""
 
 SILENCE_SECONDS = 5
-"""How long the other end of a connection may be silent, not even acknowledging what the kernel asks it; then it is taken for
-gone. Without this an answer is waited for two hours if the machine is switched off or cut off after it was asked."""
+"""After so long without a word on a connection the kernel asks its other end, which is taken for gone if it is still silent some
+seconds later. Without this an answer is waited for two hours if the machine was switched off or cut off after it was asked."""
 
-PROBES = 2
-"""How often it is asked within that time."""
+PROBE_SECONDS = 2
+"""Pause between two such questions of the kernel."""
 
 
 def watched(url: str) -> str:
@@ -25,11 +25,9 @@ def watched(url: str) -> str:
     if parsed.get_backend_name() == "sqlite":
         return url
     watch = {
-        "connect_timeout": str(2 * SILENCE_SECONDS),
         "tcp_user_timeout": str(1000 * SILENCE_SECONDS),
         "keepalives_idle": str(SILENCE_SECONDS),
-        "keepalives_interval": str(SILENCE_SECONDS // PROBES),
-        "keepalives_count": str(PROBES),
+        "keepalives_interval": str(PROBE_SECONDS),
     }
     return parsed.set(query={**watch, **parsed.query}).render_as_string(hide_password=False)
 

@@ -12,8 +12,7 @@ def test_the_kernel_watches_connections_to_a_database_elsewhere() -> None:
     given = "postgresql://mat:p%40ss%2Fword@db.example:5433/jobs"
     made, before = sa.make_url(watched(given)), sa.make_url(given)
     assert made.set(query={}) == before
-    watch = {"tcp_user_timeout", "keepalives_idle", "keepalives_interval", "keepalives_count"}
-    assert set(made.query) == watch | {"connect_timeout"}
+    assert set(made.query) == {"tcp_user_timeout", "keepalives_idle", "keepalives_interval"}
 
 
 def test_what_the_address_says_itself_is_kept() -> None:
