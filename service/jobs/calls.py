@@ -33,8 +33,8 @@ _log = logging.getLogger("service.jobs")
 
 
 def first_line(error: BaseException | None) -> str:
-    """What is wrong, without the advice that libraries add."""
-    return str(error).partition("\n")[0]
+    """What is wrong, without the advice that libraries add; the kind of error where it says nothing."""
+    return (str(error) or type(error).__name__).partition("\n")[0]
 
 
 class Calls:
