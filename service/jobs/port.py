@@ -90,7 +90,7 @@ class KeyInFlight(JobsError):
 
 
 class StoreUnavailable(JobsError):
-    """Rows or files cannot be read or written now; nothing was accepted."""
+    """Rows or files cannot be read or written now. A change that the store did not answer in time may still be made."""
 
 
 class ResultsGone(JobsError):

@@ -179,7 +179,8 @@ def refusals() -> Iterator[None]:
     except ResultsGone:
         raise RequestError("not-found", "The results were removed.") from None
     except StoreUnavailable:
-        raise RequestError("store-unavailable", "The job store does not answer; nothing was accepted.") from None
+        detail = "The job store does not answer. Send the request again later; with an Idempotency-Key no job is made twice."
+        raise RequestError("store-unavailable", detail) from None
 
 
 async def _wait(request: Request, job: Job, seconds: float) -> Job:

@@ -12,10 +12,15 @@ from urllib.parse import urlsplit
 import httpx2
 import pytest
 
+from service.jobs.calls import ANSWER_SECONDS, MUCH_SECONDS
 from tests.service.live import ROOT
 
 PAGE = (ROOT / "docs" / "jobs.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
+
+
+def test_the_limits_of_a_database_that_hangs_are_the_limits() -> None:
+    assert f"after {ANSWER_SECONDS:g} s (a new job, {MUCH_SECONDS:g} s" in PAGE
 
 
 def test_its_commands_run(live: httpx2.Client, tmp_path: Path) -> None:
