@@ -36,6 +36,7 @@ class Server:
         self.folder = folder
         usual = {"MAT_DATA_DIR": str(folder / "data"), "MAT_WORKERS": "1", "MAT_EXECUTOR_ID": "server", "MAT_LOG_LEVEL": "error"}
         usual |= {"MAT_SHUTDOWN_DRAIN_SECONDS": str(DRAIN_SECONDS), DONE: str(folder / "done")}
+        usual |= {"MAT_LONG_PRIORITY": "normal"}  # jobs that give way would wait for the tests beside them
         self._environment = {**usual, **environment}
         self._port = free_port()
         self.client = httpx2.Client(base_url=f"http://127.0.0.1:{self._port}", timeout=60)

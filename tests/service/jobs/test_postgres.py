@@ -31,8 +31,7 @@ def postgres() -> Iterator[Postgres]:
 
 
 def server(folder: Path, postgres: Postgres, role: str, name: str) -> Server:
-    # jobs that give way would wait for the tests beside them
-    return Server(folder, MAT_DATABASE_URL=postgres.url, MAT_ROLE=role, MAT_EXECUTOR_ID=name, MAT_LONG_PRIORITY="normal")
+    return Server(folder, MAT_DATABASE_URL=postgres.url, MAT_ROLE=role, MAT_EXECUTOR_ID=name)
 
 
 def test_the_jobs_of_a_machine_that_does_not_come_back_are_taken_over(tmp_path: Path, postgres: Postgres) -> None:

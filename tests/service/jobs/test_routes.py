@@ -36,8 +36,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def client(folder: Path) -> Iterator[TestClient]:
     settings = Settings(
-        workers=1, data_dir=folder, max_body_bytes=64 * KIB, max_batch_bytes=256 * KIB, batch_chunk=2, deadline_seconds=20
-    )
+        workers=1, data_dir=folder, max_body_bytes=64 * KIB, max_batch_bytes=256 * KIB, batch_chunk=2, deadline_seconds=20,
+        long_priority="normal",
+    )  # fmt: skip
     with TestClient(create_app(settings, HANDLER), raise_server_exceptions=False) as client:
         wait_until_ready(client)
         yield client

@@ -23,7 +23,7 @@ from tests.service.test_app import problem, wait_until_ready
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
-    settings = Settings(workers=2, data_dir=tmp_path_factory.mktemp("jobs"), batch_chunk=1)
+    settings = Settings(workers=2, data_dir=tmp_path_factory.mktemp("jobs"), batch_chunk=1, long_priority="normal")
     with TestClient(create_app(settings, HANDLER)) as client:
         wait_until_ready(client)
         yield client

@@ -20,10 +20,13 @@ def order(do: str, padding: int = 0, **content: Any) -> bytes:
 
 
 def with_pool(scenario: Callable[[Pool], Awaitable[None]], handler: str = HANDLER, **settings: Any) -> None:
-    """Run a scenario against a running pool, then hold that no process is left."""
+    """Run a scenario against a running pool, then hold that no process is left.
+
+    Its long work gives way to nobody unless that is what is tested: it would wait for the tests beside it.
+    """
 
     async def run() -> None:
-        pool = Pool(Settings(**{"workers": 2, "deadline_seconds": 20.0, **settings}), handler)
+        pool = Pool(Settings(**{"workers": 2, "deadline_seconds": 20.0, "long_priority": "normal", **settings}), handler)
         async with pool.running():
             await scenario(pool)
             seen.update(descendants(os.getpid()) - before)

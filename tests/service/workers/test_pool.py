@@ -302,8 +302,8 @@ def test_who_gives_way_where_the_sandbox_forbids_to_be_idle(monkeypatch: pytest.
 def test_a_job_s_deadline_begins_when_a_worker_takes_it() -> None:
     async def scenario(pool: Pool) -> None:
         await pid_of(pool)
-        spin = order("spin", seconds=0.8)
-        jobs = [asyncio.create_task(pool.solve({}, spin, job=True, deadline_seconds=2.0)) for _ in range(3)]
+        sleep = order("sleep", seconds=0.4)
+        jobs = [asyncio.create_task(pool.solve({}, sleep, job=True, deadline_seconds=3.0)) for _ in range(10)]
         assert all(isinstance(reply, Reply) for reply in await asyncio.gather(*jobs))
         with pytest.raises(DeadlineExceeded):
             await pool.solve({}, order("spin", seconds=60), job=True, deadline_seconds=0.3)
