@@ -178,8 +178,17 @@ def seen_from(si, sf, cp, w_i, w_f, arc, s, between, phi, tie):
 
 
 @inner
+def _at_fan(si, j, sj, i):
+    """Whether the contact at sj on site j is the reflex vertex whose fan is site i."""
+    return si[i, KIND] == FAN and (sj <= 0.0 and si[j, V0] == si[i, V0] or sj >= 1.0 and si[j, V1] == si[i, V0])
+
+
+@inner
 def best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi, tie):
-    """The partner among arcs low .. high (both ends left out) with a phi above `phi`: (phi, arc), arc -1 if there is none."""
+    """The partner among arcs low .. high (both ends left out) with a phi above `phi`: (phi, arc), arc -1 if there is none.
+
+    A reflex vertex whose fan is low or high is no other partner, whatever rounding makes of it.
+    """
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
     best = phi
     best_arc = -1
@@ -192,7 +201,7 @@ def best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi, tie):
         if box_distance_sq(px - r * ty, py + r * tx, sf[j, XMIN], sf[j, YMIN], sf[j, XMAX], sf[j, YMAX]) >= limit * limit:
             continue
         value, sj = touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie)
-        if value > best:
+        if value > best and not (_at_fan(si, j, sj, w_i[low, 0]) or _at_fan(si, j, sj, w_i[high, 0])):
             best = value
             best_arc = arc
             r = 1.0 / best
