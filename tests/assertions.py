@@ -325,10 +325,15 @@ def boundary_probes(reference: Reference, per_edge: int, seed: int) -> tuple[Flo
     fans = [c for c in reference.corners if c.turn < -1e-4]
     fan_p, fan_n = [], []
     for corner in fans:
+        # beside a bend that is a vertex to any disc not all of the fan's normals are seen
+        first, last = reference.normals_beside(corner) if corner.turn > -1.0 else (corner.normal_in, corner.normal_out)
         for g in (1e-3, 0.37, 0.71, 1 - 1e-3):
             angle = math.atan2(corner.normal_in[1], corner.normal_in[0]) + g * corner.turn
+            n = np.array([math.cos(angle), math.sin(angle)])
+            if corner.turn > -1.0 and max(first[0] * n[1] - first[1] * n[0], n[0] * last[1] - n[1] * last[0]) > 0.0:
+                continue
             fan_p.append(corner.point)
-            fan_n.append(np.array([math.cos(angle), math.sin(angle)]))
+            fan_n.append(n)
     p = np.vstack([p, np.array(fan_p).reshape(-1, 2)])
     normal = np.vstack([normal, np.array(fan_n).reshape(-1, 2)])
     curvature = np.concatenate([curvature, np.full(len(fan_p), -np.inf)])

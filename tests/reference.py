@@ -556,9 +556,13 @@ class Reference:
 
     def _turn_about(self, corner: Corner) -> float:
         """What the boundary turns left by from a place just before a vertex to one as far after it."""
-        n = [self._normal_beside(*place) for place in ((corner.cell, 1.0), (int(self.follow[corner.cell]), 0.0))]
-        turn = math.atan2(n[0][0] * n[1][1] - n[0][1] * n[1][0], float(n[0] @ n[1]))
-        return turn * float(self.side[corner.cell])
+        first, last = self.normals_beside(corner)
+        return math.atan2(first[0] * last[1] - first[1] * last[0], float(first @ last))
+
+    def normals_beside(self, corner: Corner) -> tuple[Floats, Floats]:
+        """The normals just before a vertex and just after it, with the interior on the left."""
+        before, after = self._normal_beside(corner.cell, 1.0), self._normal_beside(int(self.follow[corner.cell]), 0.0)
+        return (before, after) if self.side[corner.cell] > 0 else (after, before)
 
     def _normal_beside(self, cell: int, end: float) -> Floats:
         """The normal of a cell at a `TINY` distance from its end (1) or start (0)."""
