@@ -43,6 +43,7 @@ OWN_BLUR = 3e-7  # error of a disc that its own curvature bounds: its partner is
 SMOOTH_TURN = 1e-12  # turning given to a smooth vertex of infinite curvature
 NO_LEG = 1e-18  # the widest floats tell no direction of a leg shorter than this,
 AT_REST = 1e-7  # nor is one that is this short for its cell where that goes
+BESIDE = 1e-10  # a bend so near to a vertex is beside it
 HALVINGS = 100  # of a cell, until the place beside its end is found
 TINY = 4e-13  # cells shorter than this are part of one bend with their neighbours
 HAIRPIN = 1e-3  # radians; a bend of such cells that turns by less is no vertex
@@ -556,9 +557,13 @@ class Reference:
 
     def _turn_about(self, corner: Corner) -> float:
         """What the boundary turns left by from a place just before a vertex to one as far after it."""
-        n = [self._normal_beside(*place) for place in ((corner.cell, 1.0), (int(self.follow[corner.cell]), 0.0))]
-        turn = math.atan2(n[0][0] * n[1][1] - n[0][1] * n[1][0], float(n[0] @ n[1]))
-        return turn * float(self.side[corner.cell])
+        first, last = self.normals_beside(corner)
+        return math.atan2(first[0] * last[1] - first[1] * last[0], float(first @ last))
+
+    def normals_beside(self, corner: Corner) -> tuple[Floats, Floats]:
+        """The normals just before a vertex and just after it, with the interior on the left."""
+        before, after = self._normal_beside(corner.cell, 1.0), self._normal_beside(int(self.follow[corner.cell]), 0.0)
+        return (before, after) if self.side[corner.cell] > 0 else (after, before)
 
     def _normal_beside(self, cell: int, end: float) -> Floats:
         """The normal of a cell at a `TINY` distance from its end (1) or start (0)."""
@@ -592,15 +597,29 @@ class Reference:
     @cached_property
     def bends_beside_reflex(self) -> Floats:
         """(n, 2) reflex vertices beside which the boundary bends outward more tightly than a thousandth of the size."""
-        cells = np.array([c.cell for c in self.corners if c.turn < 0], dtype=np.int64)
-        if not len(cells):
-            return np.empty((0, 2))
         follow = self.follow.copy()
         for bend in self.bends:
             follow[bend.before] = bend.after
-        before, after = self.at(cells, np.ones(len(cells)))[2], self.at(follow[cells], np.zeros(len(cells)))[2]
-        tight: Floats = self.boundary.end[cells[np.fmax(before, after) > 1e3]]
-        return tight
+        before = np.argsort(self.follow)
+        for bend in self.bends:
+            before[bend.after] = bend.before
+        tight = [c.cell for c in self.corners if c.turn < 0
+                 and max(self._bend_within(c.cell, 1.0, before), self._bend_within(int(follow[c.cell]), 0.0, follow)) > 1e3]
+        points: Floats = self.boundary.end[np.array(tight, dtype=np.int64)]
+        return points
+
+    def _bend_within(self, cell: int, end: float, beyond: Ints) -> float:
+        """The largest curvature within `BESIDE` of an end of a cell, 1 or 0, on it and those `beyond` it."""
+        vertex = self.at(np.array([cell]), np.array([end]))[0]
+        s = np.abs(end - np.concatenate([[0.0], 2.0 ** np.arange(-HALVINGS, 1)]))
+        largest = -math.inf
+        while True:
+            point, _, curvature = self.at(np.full(len(s), cell), s)
+            near = np.linalg.norm(point - vertex, axis=1) < BESIDE
+            largest = max(largest, float(np.nan_to_num(curvature[near], nan=-math.inf).max(initial=-math.inf)))
+            if not near[-1]:
+                return largest
+            cell = int(beyond[cell])
 
     @cached_property
     def points_of_bends(self) -> Floats:

@@ -14,10 +14,11 @@ TRIM = 2e-13  # a bend at an end of an edge that is shorter than this, and tight
 UNSEEN = 5e-4  # radians; a triangle with the base 2 TRIM and half of this at both ends is less than 1e-16 high
 SHORT_HANDLE = 1e-6  # only a handle shorter than this can make one where the curvature
 GENTLE = 1e8  # is less than this at the end
-LASTING = 2.0  # times the curvature beyond it: what is curved by no more at an end may be no bend there, but go on
+LASTING = 2.0  # times the curvature beyond it: what is curved by no more at an end goes on, and is no bend there
+CALM = 0.1  # radians; if it turns by less
 HAIRPIN = 1e-3  # radians; what turns by less is no such bend
 TIGHT = 1e4  # curvature of a bend that looks like a corner, and root of its ratio to that of what looks straight beside it
-SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off, nor is a part of a bend that goes on
+SLIGHT = 0.01  # radians; half a turn smaller than this is not cut off
 BARELY = 1e-5  # radians; a disc of radius 1/2 reaches over a bend that turns by less by less than 2.5e-11
 DISTANCE, TURN, STRAIGHTNESS = range(3)  # what is asked of a point: how far it and its tangent are from another, less curvature
 HALVINGS = 60
@@ -134,7 +135,7 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
     if handle == 0.0:
         turn = max(turn, _turn_at_rest(cp, c0, deg, rational, end, far, noise))
     lasts = tip < 0 and abs(peak) < LASTING * abs(rest_k)
-    if turn <= (SLIGHT if lasts else HAIRPIN):
+    if turn <= (CALM if lasts else HAIRPIN):
         return float(end)
     # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either, but
     # if it turns by so little that no disc, with contacts this near to each other, tells it from none

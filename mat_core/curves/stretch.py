@@ -71,6 +71,8 @@ STRICTEST = 0.01  # and at least this
 NO_STRICTER = 1e-10  # than this: discs beside the centre of an arc of noise are told no better
 AT_LEAF = 0.1  # of the tolerance for a stretch that ends at a centre of curvature
 LEAST_CUT, MOST_CUT = 0.1, 0.9  # range of the share that a piece is shortened to
+PATIENCE = 8  # pieces in a row that are shortened by what their errors let hope; then
+MANY_CUT = 0.5  # each is at least halved
 BESIDE = 0.08  # of the wanted length, from a disc between strips: the piece ends there
 WORTH = 1.15  # times as long: what a longer piece must be hoped to be, to be tried
 TRIES = 2  # longer pieces tried
@@ -179,13 +181,18 @@ def _record(track: Track, scratch: Scratch, pieces: Pieces, m: int, error: float
 
 @inner
 def _shortest(track: Track, scratch: Scratch, tolerance: float, left: int) -> tuple[int, float, int]:
-    """Step 1: (nodes, bound or error of the first piece that does or cannot be shorter, how many ends wait less its own)."""
+    """Step 1: (nodes, bound or error of the first piece that does or cannot be shorter, how many ends wait less its own).
+
+    Where the curve bends at once, within 1e-10 of its start, the error falls as slowly as the length, not as its error lets hope.
+    """
+    tried = 0
     while True:
         copy_end(scratch.waiting, left - 1, scratch.ends, 1)
         even, m, error = try_piece(track, scratch, tolerance)
         if error <= tolerance:
             return m, error, left - 1
-        share = min(max(hope(scratch, error, tolerance, m), LEAST_CUT), MOST_CUT)
+        tried += 1
+        share = min(max(hope(scratch, error, tolerance, m), LEAST_CUT), MOST_CUT if tried < PATIENCE else MANY_CUT)
         if not _shorten(track, scratch, tolerance, share, even, left):
             if even and hermite_of(scratch.ends, scratch.hermite):
                 error = attempt(track, scratch, m, math.inf)

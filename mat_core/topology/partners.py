@@ -42,8 +42,17 @@ def touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie):
 
 
 @inner
+def _at_fan(si, j, sj, i):
+    """Whether the contact at sj on site j is the reflex vertex whose fan is site i."""
+    return si[i, KIND] == FAN and (sj <= 0.0 and si[j, V0] == si[i, V0] or sj >= 1.0 and si[j, V1] == si[i, V0])
+
+
+@inner
 def _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie):
-    """(phi_left - phi_right) scaled to [-1, 1], and both contacts."""
+    """(phi_left - phi_right) scaled to [-1, 1], and both contacts.
+
+    Where both are one reflex vertex its fan wins, and clearly: by a tie only, it would look like the place where they change.
+    """
     a, sa = touch_arc(si, sf, cp, site, s, w_i, w_f, left, tie)
     b, sb = touch_arc(si, sf, cp, site, s, w_i, w_f, right, tie)
     total = abs(a) + abs(b)
@@ -54,6 +63,10 @@ def _difference(si, sf, cp, site, s, w_i, w_f, left, right, tie):
         f = 1.0
     elif total > 0.0:
         f = (a - b) / total
+    if f > 0.0 and _at_fan(si, w_i[right, 0], sb, w_i[left, 0]):
+        f = 1.0
+    elif f < 0.0 and _at_fan(si, w_i[left, 0], sa, w_i[right, 0]):
+        f = -1.0
     return f, max(a, b), sa, sb
 
 
@@ -179,7 +192,10 @@ def seen_from(si, sf, cp, w_i, w_f, arc, s, between, phi, tie):
 
 @inner
 def best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi, tie):
-    """The partner among arcs low .. high (both ends left out) with a phi above `phi`: (phi, arc), arc -1 if there is none."""
+    """The partner among arcs low .. high (both ends left out) with a phi above `phi`: (phi, arc), arc -1 if there is none.
+
+    A reflex vertex whose fan is low or high is no other partner, whatever rounding makes of it.
+    """
     px, py, tx, ty, k, speed = evaluate(si, sf, cp, site, s, 0.0, 0.0)
     best = phi
     best_arc = -1
@@ -192,7 +208,7 @@ def best_between(si, sf, cp, site, s, w_i, w_f, low, high, phi, tie):
         if box_distance_sq(px - r * ty, py + r * tx, sf[j, XMIN], sf[j, YMIN], sf[j, XMAX], sf[j, YMAX]) >= limit * limit:
             continue
         value, sj = touch_arc(si, sf, cp, site, s, w_i, w_f, arc, tie)
-        if value > best:
+        if value > best and not (_at_fan(si, j, sj, w_i[low, 0]) or _at_fan(si, j, sj, w_i[high, 0])):
             best = value
             best_arc = arc
             r = 1.0 / best
