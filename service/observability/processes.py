@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import resource
 from collections.abc import Iterator
@@ -31,9 +32,8 @@ def _resident(pid: int) -> int | None:
 
 
 def _children(pid: int) -> Iterator[int]:
-    """The children of all threads of a process; one that ends meanwhile has none."""
-    try:
+    """The children of all threads of a process; a thread or a process that ends meanwhile has none."""
+    with contextlib.suppress(OSError):
         for task in Path(f"/proc/{pid}/task").iterdir():
-            yield from map(int, (task / "children").read_text(encoding="ascii").split())
-    except OSError:
-        return
+            with contextlib.suppress(OSError):
+                yield from map(int, (task / "children").read_text(encoding="ascii").split())
