@@ -12,7 +12,7 @@ NEWTON = 60  # steps of the bracketed Newton iterations; halving alone ends in a
 INSET = 1e-3  # a first guess at an end is taken this share of the interval inside
 SETTLED = 1e-8  # a Newton step below this squares to rounding
 RETRIES = 6  # first guesses for a local foot,
-END_RETRIES = 6  # and more where that is an end, each this share of the way of the one before from it:
+END_RETRIES = 6  # and more beside each end, each this share of the way of the one before from it:
 TOWARDS_END = 0.05
 CLOSE = 1e-11  # a foot this near to where a disc should touch is the one that was looked for; well below what a check forgives
 
@@ -130,19 +130,18 @@ def distance_from(si, sf, cp, i, lo, hi, guess, x, y, r, granted):
         if best <= max(granted, CLOSE):
             return best, best_s
         guess = lo + (attempt + 0.5) / (RETRIES - 1.0) * (hi - lo)
-    return _beside_end(si, sf, cp, i, lo, hi, x, y, r, best, best_s) if best_s <= lo or best_s >= hi else (best, best_s)
+    return _beside_ends(si, sf, cp, i, lo, hi, x, y, r, best, best_s)
 
 
 @inner
-def _beside_end(si, sf, cp, i, lo, hi, x, y, r, best, best_s):
-    """`distance_from` where the best foot is an end: that may be a local one, which steps from farther inside all lead to."""
-    sign = 1.0 if best_s <= lo else -1.0
-    end = best_s
-    way = hi - lo
-    for _ in range(END_RETRIES):
-        way *= TOWARDS_END
-        distance, s = foot(si, sf, cp, i, lo, hi, x, y, end + sign * way)
-        if abs(distance - r) < best:
-            best = abs(distance - r)
-            best_s = s
+def _beside_ends(si, sf, cp, i, lo, hi, x, y, r, best, best_s):
+    """`distance_from` by guesses nearer and nearer to an end: steps from farther inside may all lead elsewhere."""
+    for side in range(2):
+        way = hi - lo
+        for _ in range(END_RETRIES):
+            way *= TOWARDS_END
+            distance, s = foot(si, sf, cp, i, lo, hi, x, y, lo + way if side == 0 else hi - way)
+            if abs(distance - r) < best:
+                best = abs(distance - r)
+                best_s = s
     return best, best_s
