@@ -326,11 +326,11 @@ def boundary_probes(reference: Reference, per_edge: int, seed: int) -> tuple[Flo
     fan_p, fan_n = [], []
     for corner in fans:
         # beside a bend that is a vertex to any disc not all of the fan's normals are seen
-        first, last = reference.normals_beside(corner) if corner.turn > -1.0 else (corner.normal_in, corner.normal_out)
+        seen = reference.normals_beside(corner) if corner.turn > -1.0 else None
         for g in (1e-3, 0.37, 0.71, 1 - 1e-3):
             angle = math.atan2(corner.normal_in[1], corner.normal_in[0]) + g * corner.turn
             n = np.array([math.cos(angle), math.sin(angle)])
-            if corner.turn > -1.0 and max(first[0] * n[1] - first[1] * n[0], n[0] * last[1] - n[1] * last[0]) > 0.0:
+            if seen is not None and max(seen[0][0] * n[1] - seen[0][1] * n[0], n[0] * seen[1][1] - n[1] * seen[1][0]) > 0.0:
                 continue
             fan_p.append(corner.point)
             fan_n.append(n)

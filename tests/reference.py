@@ -597,12 +597,9 @@ class Reference:
     @cached_property
     def bends_beside_reflex(self) -> Floats:
         """(n, 2) reflex vertices beside which the boundary bends outward more tightly than a thousandth of the size."""
-        follow = self.follow.copy()
+        follow, before = self.follow.copy(), np.argsort(self.follow)
         for bend in self.bends:
-            follow[bend.before] = bend.after
-        before = np.argsort(self.follow)
-        for bend in self.bends:
-            before[bend.after] = bend.before
+            follow[bend.before], before[bend.after] = bend.after, bend.before
         tight = [c.cell for c in self.corners if c.turn < 0
                  and max(self._bend_within(c.cell, 1.0, before), self._bend_within(int(follow[c.cell]), 0.0, follow)) > 1e3]
         points: Floats = self.boundary.end[np.array(tight, dtype=np.int64)]

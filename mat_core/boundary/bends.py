@@ -130,16 +130,16 @@ def trimmed(cp, c0, deg, rational, end, roots, n_roots, noise):
         far = roots[beyond]
     far = passing(DISTANCE, 2.0 * TRIM, cp, c0, deg, rational, float(end), near, far)[1]
     peak = curvature_at(cp, c0, deg, rational, near)
-    rest_k = curvature_at(cp, c0, deg, rational, far)
+    far_k = curvature_at(cp, c0, deg, rational, far)
     turn = total_turning(cp, c0, deg, rational, min(far, float(end)), max(far, float(end)))
     if handle == 0.0:
         turn = max(turn, _turn_at_rest(cp, c0, deg, rational, end, far, noise))
-    lasts = tip < 0 and abs(peak) < LASTING * abs(rest_k)
+    lasts = tip < 0 and abs(peak) < LASTING * abs(far_k)
     if turn <= (CALM if lasts else HAIRPIN):
         return float(end)
     # beside a reflex vertex the rest of a convex bend has a leaf of its own: it must be no farther from the vertex, either, but
     # if it turns by so little that no disc, with contacts this near to each other, tells it from none
-    if peak > 0.0 and 0.0 < rest_k * TRIM < 1.0:
+    if peak > 0.0 and 0.0 < far_k * TRIM < 1.0:
         rest = passing(STRAIGHTNESS, -1.0 / TRIM, cp, c0, deg, rational, float(end), near, far)[1]
         if peak * TRIM < 1.0 or turn_between(cp, c0, deg, rational, rest, far) > UNSEEN:
             far = rest

@@ -94,7 +94,7 @@ def cones_part(rows: Floats, p: int, q: int) -> bool:
 
 @jit
 def place_on(rows: Floats, c: int, p: int, t: float, ox: float, oy: float) -> tuple[float, float, float, float]:
-    """Point of a block relative to (ox, oy) and its derivative; on a line t counts along the chord, weights or not."""
+    """Point of a block relative to (ox, oy) and its derivative; on a line, which has no weights, along the chord."""
     if p == 1:
         dx = rows[c + 1, 0] - rows[c, 0]
         dy = rows[c + 1, 1] - rows[c, 1]
