@@ -24,7 +24,7 @@ from service.orders import Order
 from service.settings import KIB, Settings
 from service.workers.pool import Pool
 
-PIECE_BYTES = 512 * KIB
+PIECE_BYTES = 1024 * KIB
 """Of results that are read at a time."""
 
 
