@@ -2,19 +2,22 @@
 
 A bomb is the danger on the way in: 16 KB can hold 16 MB. So a body is expanded piece by piece and never further than its
 limit, in a thread, whatever it promises; zlib works without the interpreter's lock, so the event loop goes on meanwhile.
+
+On the way out ISA-L does the work, in a third of zlib's time.
 """
 
 from __future__ import annotations
 
 import asyncio
-import gzip
 import zlib
 from collections.abc import AsyncIterator
+
+from isal import igzip, isal_zlib
 
 from service.errors import RequestError
 
 LEVEL = 1
-"""Of 9. Level 6 takes four times as long and saves another tenth."""
+"""Of ISA-L's 0 to 3. It takes a third of zlib's time for its level 1, and leaves less."""
 
 LEAST_BYTES = 2048
 """Answers below it fit into two packets either way."""
@@ -30,7 +33,7 @@ _GZIP_WINDOW = 16 + zlib.MAX_WBITS
 
 def compress(content: bytes) -> bytes:
     """The content as one gzip member; the same bytes for the same content."""
-    return gzip.compress(content, LEVEL, mtime=0)
+    return igzip.compress(content, LEVEL, mtime=0)
 
 
 class Expander:
@@ -102,7 +105,7 @@ async def expanded(pieces: AsyncIterator[bytes], limit: int) -> AsyncIterator[by
 
 async def compressed(pieces: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
     """A stream of any length as one gzip member."""
-    stream = zlib.compressobj(LEVEL, wbits=_GZIP_WINDOW)
+    stream = isal_zlib.compressobj(LEVEL, wbits=_GZIP_WINDOW)
     async for piece in pieces:
         if part := await asyncio.to_thread(stream.compress, piece):
             yield part
