@@ -15,13 +15,11 @@ from pathlib import Path
 from typing import IO, cast
 
 from service.cli.exits import FAILED, INVALID_INPUT, USAGE, Failure
+from service.http.compression import compress
 
 STANDARD = "-"
 PACKED = ".gz"
 BLOCK = 1 << 20
-GZIP_LEVEL = 3
-"""Higher levels take several times longer for a tenth less."""
-
 SCRATCH = "mat-batch-"
 """How the names of folders of temporary files begin."""
 
@@ -77,7 +75,7 @@ def write(name: str, content: bytes) -> None:
         raise Failure(USAGE, f"cannot write {name}: {error.strerror}") from error
     try:
         with open(descriptor, "wb") as file:
-            file.write(gzip.compress(content, GZIP_LEVEL) if name.endswith(PACKED) else content)
+            file.write(compress(content) if name.endswith(PACKED) else content)
         os.chmod(draft, 0o666 & ~_umask())
         os.replace(draft, path)
     except OSError as error:
@@ -166,7 +164,7 @@ class LinesOut:
 
     def add(self, content: bytes) -> None:
         """Write whole lines."""
-        left = memoryview(gzip.compress(content, GZIP_LEVEL) if self._packed else content)
+        left = memoryview(compress(content) if self._packed else content)
         before = 0 if self._name == STANDARD else os.lseek(self._descriptor, 0, os.SEEK_CUR)
         try:
             while left:

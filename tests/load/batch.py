@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import http.client
+import io
 import json
 import multiprocessing
 import os
@@ -162,12 +163,12 @@ async def _pooled(asked: Sequence[Piece], scale: Scale) -> tuple[float, int]:
     right = 0
     for place in places:
         with (folder / str(place)).open("rb") as file:
-            right += _right(asked[place : place + CHUNK], file)
+            right += right_lines(asked[place : place + CHUNK], file)
     shutil.rmtree(folder)
     return seconds, right
 
 
-class _Source(Protocol):
+class Source(Protocol):
     """What results are read from."""
 
     def readinto(self, room: memoryview, /) -> int:
@@ -175,7 +176,7 @@ class _Source(Protocol):
         ...
 
 
-def _right(asked: Sequence[Piece], source: _Source) -> int:
+def right_lines(asked: Sequence[Piece], source: Source) -> int:
     """How many result lines are what the library says, in order, up to the first that is not; the last is not if more follows."""
     room = bytearray(READ_BYTES + 1 + max(len(piece.answer) for piece in asked))
     right = filled = 0
@@ -219,7 +220,7 @@ class Visit:
             waited = time.monotonic()
             connection.request("GET", f"/v1/jobs/{job}/results")
             response = connection.getresponse()
-            self.right = _right(asked, response)
+            self.right = right_lines(asked, response)
         self.seconds = time.monotonic() - begun
         self.processor_seconds = time.thread_time() - used
         self._download_seconds = time.monotonic() - waited
@@ -257,8 +258,7 @@ async def _over(port: int, job: str, percent: int = 100) -> None:
 
 
 async def _right_lines(port: int, job: str, asked: Sequence[Piece]) -> int:
-    """How many result lines of a batch are what the library says, in order."""
+    """How many result lines of a batch are what the library says, in order, up to the first that is not."""
     async with connected(port) as connection:
         results = await connection.request("GET", f"/v1/jobs/{job}/results")
-    lines = results.body.splitlines()
-    return sum(line == piece.answer for line, piece in zip(lines, asked, strict=True)) if len(lines) == len(asked) else 0
+    return right_lines(asked, io.BytesIO(results.body))
