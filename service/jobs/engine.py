@@ -19,17 +19,22 @@ PROBE_SECONDS = 2
 """Pause between two such questions of the kernel."""
 
 
-def watched(url: str) -> str:
-    """The address of a database with what lets the kernel notice that it is gone; what the address says itself is kept."""
+def completed(url: str) -> str:
+    """The address of a database with what its connections must be told; what the address says itself is kept.
+
+    The kernel is to notice that the database is gone. And text is UTF-8: a database made without an encoding (SQL_ASCII, as
+    initdb makes them where no locale is set) names none, and psycopg would then hand out bytes.
+    """
     parsed = sa.make_url(url)
     if parsed.get_backend_name() == "sqlite":
         return url
-    watch = {
+    told = {
+        "client_encoding": "utf8",
         "tcp_user_timeout": str(1000 * SILENCE_SECONDS),
         "keepalives_idle": str(SILENCE_SECONDS),
         "keepalives_interval": str(PROBE_SECONDS),
     }
-    return parsed.set(query={**watch, **parsed.query}).render_as_string(hide_password=False)
+    return parsed.set(query={**told, **parsed.query}).render_as_string(hide_password=False)
 
 
 def engine_for(url: str) -> sa.Engine:

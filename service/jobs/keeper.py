@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from service.jobs.blobs import Blobs
 from service.jobs.calls import Calls, first_line
-from service.jobs.engine import engine_for, watched
+from service.jobs.engine import completed, engine_for
 from service.jobs.leases import LEASE_SECONDS, RENEW_SECONDS, Reaper, Slot
 from service.jobs.port import StoreUnavailable
 from service.jobs.store import SLICE, Store
@@ -73,7 +73,7 @@ class Keeper:
         self.blobs = Blobs(settings.data_dir)
         self.calls = Calls()
         self._work = Work(settings, pool, self.blobs, self.calls, self.enqueue)
-        self._url = watched(settings.database_url or f"sqlite:///{settings.data_dir.absolute() / 'jobs.sqlite'}")
+        self._url = completed(settings.database_url or f"sqlite:///{settings.data_dir.absolute() / 'jobs.sqlite'}")
         self._opening = threading.Lock()
         self._closed = False
         self._store: Store | None = None

@@ -13,6 +13,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+import sqlalchemy as sa
+
 from tests.service.live import free_port
 from tests.service.processes import descendants
 
@@ -45,6 +47,14 @@ class Postgres:
     def url(self) -> str:
         """For MAT_DATABASE_URL."""
         return f"postgresql://mat@127.0.0.1:{self._port}/postgres"
+
+    def without_encoding(self) -> str:
+        """The address of another database, one that does not know how its text is encoded."""
+        engine = sa.create_engine(sa.make_url(self.url).set(drivername="postgresql+psycopg"), isolation_level="AUTOCOMMIT")
+        with engine.connect() as c:
+            c.execute(sa.text("CREATE DATABASE plain ENCODING 'SQL_ASCII' LC_COLLATE 'C' LC_CTYPE 'C' TEMPLATE template0"))
+        engine.dispose()
+        return sa.make_url(self.url).set(database="plain").render_as_string(hide_password=False)
 
     def start(self) -> None:
         """Start, and wait until it answers."""

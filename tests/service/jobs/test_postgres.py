@@ -72,6 +72,14 @@ def test_while_the_database_is_away_work_goes_on_and_is_recorded_when_it_is_back
         assert sorted(one.done()) == ["None", "running", "waiting"]
 
 
+def test_a_database_that_names_no_encoding_does_as_well(tmp_path: Path, postgres: Postgres) -> None:
+    with Server(tmp_path, MAT_DATABASE_URL=postgres.without_encoding(), MAT_ROLE="all", MAT_EXECUTOR_ID="plain") as one:
+        jobs = [one.job({"name": "größer"}), one.batch({"name": f"{k} ≥ 0"} for k in range(3))]
+        for job in jobs:
+            one.until(job, "successful")
+        assert one.client.get(f"/v1/jobs/{jobs[0]}/results").json()["did"]["name"] == "größer"
+
+
 @pytest.fixture
 def away(request: pytest.FixtureRequest, postgres: Postgres) -> Iterator[Away]:
     """How to make the database be away, stopped or frozen, and to have it back; it is back afterwards."""
