@@ -1,4 +1,3 @@
-# syntax=docker/dockerfile:1
 # Two stages: the first builds the environment and compiles every kernel, the second takes only what serves.
 
 FROM python:3.13-slim AS build
