@@ -18,7 +18,7 @@ from service.cli.exits import BROKEN_PIPE, INTERRUPTED, USAGE, Failure, tell
 __all__ = ["main"]
 
 EXTRA = frozenset(
-    "dbos ezdxf fastapi msgpack orjson prometheus_client psycopg pydantic sqlalchemy starlette tqdm uvicorn".split()  # noqa: SIM905
+    "dbos ezdxf fastapi isal msgpack orjson prometheus_client psycopg pydantic sqlalchemy starlette tqdm uvicorn".split()  # noqa: SIM905
 )
 """The modules that come with the extra service."""
 
