@@ -15,6 +15,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from service.jobs.engine import engine_for
 from tests.service.live import free_port
 from tests.service.processes import descendants
 
@@ -50,8 +51,8 @@ class Postgres:
 
     def without_encoding(self) -> str:
         """The address of another database, one that does not know how its text is encoded."""
-        engine = sa.create_engine(sa.make_url(self.url).set(drivername="postgresql+psycopg"), isolation_level="AUTOCOMMIT")
-        with engine.connect() as c:
+        engine = engine_for(self.url)
+        with engine.connect().execution_options(isolation_level="AUTOCOMMIT") as c:
             c.execute(sa.text("CREATE DATABASE plain ENCODING 'SQL_ASCII' LC_COLLATE 'C' LC_CTYPE 'C' TEMPLATE template0"))
         engine.dispose()
         return sa.make_url(self.url).set(database="plain").render_as_string(hide_password=False)
